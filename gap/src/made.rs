@@ -1,5 +1,6 @@
 //! Fixtures of the tests: simulated recordings.
 
+use crate::fit::objective::Objective;
 use crate::fit::problem::Problem;
 use crate::guess::{self, Evidence};
 use crate::term::{Coordinate, Term};
@@ -25,6 +26,7 @@ pub(crate) fn problem(recording: &Recording) -> Problem<'_> {
         series: series::coarse(recording, recording.horizon),
         priors: Vec::new(),
         modelling: 0.0,
+        objective: Objective::Robust,
         quarter: None,
     }
 }

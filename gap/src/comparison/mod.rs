@@ -11,6 +11,7 @@ use crate::columns::{self, Columns, disagreement, mean_square, residuals};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::Hypothesis;
+use crate::fit::objective::Objective;
 use crate::fit::part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
@@ -337,6 +338,7 @@ fn share(problem: &Problem<'_>, both: &[Recording; 2], series: [Vec<Series>; 2])
             series,
             priors: problem.priors.clone(),
             modelling: 0.0,
+            objective: Objective::Robust,
             quarter: None,
         };
         let x = vec![0.0; bare.dimensions(&problem.priors)];

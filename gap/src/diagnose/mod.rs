@@ -17,6 +17,7 @@ use crate::diagnosis::{Closing, Diagnosis, FloorOf, NumberFinding, Region, Verdi
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::hypothesis::priors;
+use crate::fit::objective::Objective;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::instrument::frozen_input;
@@ -278,6 +279,7 @@ fn problem(recording: &Recording, before: f64) -> Problem<'_> {
         series: few(recording, horizon_s),
         priors: priors(recording),
         modelling: MODELLING_SHARE * before,
+        objective: Objective::Robust,
         quarter,
     };
     let quarter = of(0.25 * recording.horizon, None);

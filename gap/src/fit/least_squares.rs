@@ -101,11 +101,11 @@ impl Problem<'_> {
         };
         let rewhitened = |here: Point| {
             let whitenings = self.whitenings(&here.predictor, &here.residuals, part);
-            let here = self.point(here.x, here.predictor, here.residuals, &whitenings);
+            let here = self.point(here.x, here.predictor, here.residuals, &whitenings, part);
             (here, Cow::Owned(whitenings))
         };
-        let mut here = self.point(x, predictor, residuals, &whitenings);
-        let mut best = (here.x.clone(), here.costs.clone());
+        let mut here = self.point(x, predictor, residuals, &whitenings, part);
+        let mut best = here.scored();
         let mut damping = FIRST_DAMPING;
         let mut normal = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
@@ -138,14 +138,19 @@ impl Problem<'_> {
                 .chain(&slopes)
                 .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
-            let gradient;
+            let mut gradient;
             (normal, scatter, gradient) = self.normal_equations(&here, &columns);
+            let raw: Vec<&Slope> = known.iter().chain(&slopes).collect();
+            if let Some((more, score)) = self.gap_equations(&here.residuals, &raw, part) {
+                normal += more;
+                gradient += score;
+            }
             let at_bound = |&i: &usize| {
                 let ([low, high], x) = (ranges[i], here.x[i]);
                 (gradient[i] > 0.0 && x <= low) || (gradient[i] < 0.0 && x >= high)
             };
             let at_bound: Vec<usize> = (0..n).filter(at_bound).collect();
-            let total = here.costs.sum();
+            let total = here.objective;
             let mut improved = None;
             while damping < MOST_DAMPING {
                 let Some(step) = damped_step(&normal, &gradient, damping, &at_bound) else {
@@ -157,8 +162,8 @@ impl Problem<'_> {
                 let trial: Vec<f64> = moved.map(|((x, by), r)| clamped(x - by, *r)).collect();
                 let predictor = self.predictor(hypothesis, &trial);
                 let residuals = self.residuals(&predictor, part);
-                let there = self.point(trial, predictor, residuals, &whitenings);
-                if there.costs.sum() < total {
+                let there = self.point(trial, predictor, residuals, &whitenings, part);
+                if there.objective < total {
                     damping = (0.2 * damping).max(1e-6);
                     improved = Some(there);
                     break;
@@ -173,16 +178,17 @@ impl Problem<'_> {
                 break;
             };
             here = there;
-            let gain = total - here.costs.sum();
-            if iteration >= WIDE_ITERATIONS && gain < (LEAST_GAIN * total).min(LEAST_WINDOW_GAIN) {
+            let gain = total - here.objective;
+            let scale = here.costs.sum();
+            if iteration >= WIDE_ITERATIONS && gain < (LEAST_GAIN * scale).min(LEAST_WINDOW_GAIN) {
                 break;
             }
         }
-        if linearization.is_none() && here.x != best.0 {
+        if linearization.is_none() && here.x != best.x {
             (here, _) = rewhitened(here);
         }
         here.keep_if_better(&mut best);
-        let (x, costs) = best;
+        let Best { x, costs, .. } = best;
         Fit {
             hypothesis: hypothesis.clone(),
             x,
@@ -197,10 +203,13 @@ impl Problem<'_> {
         predictor: Predictor,
         residuals: Vec<Vec<f64>>,
         whitenings: &[Option<Whitening>],
+        part: Part<'_>,
     ) -> Point {
         let whitened = self.whitened(&residuals, whitenings);
+        let costs = Costs::new(&whitened, self.prior(&x));
         Point {
-            costs: Costs::new(&whitened, self.prior(&x)),
+            objective: self.objective(&costs, &residuals, part),
+            costs,
             x,
             predictor,
             residuals,
@@ -248,14 +257,30 @@ struct Point {
     residuals: Vec<Vec<f64>>,
     whitened: Vec<Vec<f64>>,
     costs: Costs,
+    objective: f64,
+}
+
+/// The best point of a fit, each judged with its own whitenings.
+struct Best {
+    x: Vec<f64>,
+    costs: Costs,
+    objective: f64,
 }
 
 impl Point {
     /// Keeps this point if its cost with its own whitenings is lower. The whitenings differ between points, so a step that reduced the
     /// cost with fixed whitenings may have increased it.
-    fn keep_if_better(&self, best: &mut (Vec<f64>, Costs)) {
-        if self.costs.sum() < best.1.sum() {
-            *best = (self.x.clone(), self.costs.clone());
+    fn keep_if_better(&self, best: &mut Best) {
+        if self.objective < best.objective {
+            *best = self.scored();
+        }
+    }
+
+    fn scored(&self) -> Best {
+        Best {
+            x: self.x.clone(),
+            costs: self.costs.clone(),
+            objective: self.objective,
         }
     }
 }

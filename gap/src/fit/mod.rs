@@ -5,6 +5,7 @@ mod fitted;
 pub(crate) mod hypothesis;
 mod least_squares;
 pub(crate) mod linearization;
+pub(crate) mod objective;
 pub(crate) mod part;
 mod polish;
 pub(crate) mod problem;

@@ -3,6 +3,7 @@
 use super::costs::Costs;
 use super::fitted::Fit;
 use super::hypothesis::{self, Hypothesis, PriorParameter};
+use super::objective::Objective;
 use super::part::Part;
 use super::whitening::{Whitening, dot, whitenings};
 use crate::predict::Predictor;
@@ -18,6 +19,7 @@ pub(crate) struct Problem<'a> {
     pub priors: Vec<PriorParameter>,
     /// Allowed model error: rms deviation of an acceptable model, in position units.
     pub modelling: f64,
+    pub objective: Objective,
     /// The same data with restarts four times as often.
     pub quarter: Option<Box<Problem<'a>>>,
 }
@@ -38,11 +40,21 @@ impl Problem<'_> {
             series: self.series.clone(),
             priors: self.priors.clone(),
             modelling,
+            objective: self.objective,
             quarter: self
                 .quarter
                 .as_ref()
                 .map(|quarter| Box::new(quarter.off_by(modelling))),
         }
+    }
+
+    /// The problem with another objective of the fits.
+    pub(crate) fn with_objective(mut self, objective: Objective) -> Self {
+        self.objective = objective;
+        self.quarter = self
+            .quarter
+            .map(|quarter| Box::new(quarter.with_objective(objective)));
+        self
     }
 
     /// The problem with other model parameters free.

@@ -34,6 +34,7 @@ impl ExpectedLoss {
                 recording: &own,
                 priors: problem.priors.clone(),
                 modelling: problem.modelling,
+                objective: problem.objective,
                 quarter: None,
             };
             let costs = problem.costs(&fit.hypothesis, &fit.x, Part::All);

@@ -197,6 +197,7 @@ fn trial(
         series: series::some_coarse(recording, recording.horizon, MOST_SAMPLES),
         priors: priors(recording),
         modelling: problem.modelling,
+        objective: problem.objective,
         quarter: None,
     };
     let mut x = vec![0.0; problem.priors.len()];

@@ -47,7 +47,7 @@ pub(crate) fn measured<'a>(
     let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
     let kept = found.null.hypothesis.terms.len();
-    let (set, pool) = pool.without_needless(&free, kept);
+    let (set, pool) = pool.with_simpler(&free, kept).without_needless(&free, kept);
     let search = Search {
         problem: &free,
         given,

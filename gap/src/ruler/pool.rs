@@ -1,9 +1,11 @@
 //! Holds the sets of effects that are compared.
 
 use super::scale;
-use super::scored::{Scored, log_rms, simplest};
+use super::scored::{Scored, cheapest, is_within_error, log_rms, simplest};
 use super::start::Start;
 use crate::fit::Fit;
+use crate::fit::hypothesis::Hypothesis;
+use crate::fit::objective::Objective;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::plausible::Implausible;
@@ -12,6 +14,8 @@ use rayon::prelude::*;
 
 /// Number of sets that are scored on held-out windows: those of the lowest cost after a short fit.
 const MOST_SCORED: usize = 8;
+/// Number of sets of which simpler forms are tried.
+const MOST_SIMPLIFIED: usize = 3;
 /// Number of iterations of a short fit.
 pub(super) const SHORT_ITERATIONS: usize = 3;
 /// Number of sets that are scored again once the error scale is known from the best of them.
@@ -69,7 +73,9 @@ impl Pool {
     /// Fits all sets and computes their costs at the error scale of `problem`. If the residual of the best set is much smaller, the sets of
     /// lowest cost are scored again at that scale. Returns the problem at the final scale, and the sets.
     pub(super) fn scored_at_own_scale<'a>(self, problem: Problem<'a>) -> (Problem<'a>, ScoredPool) {
-        let mut pool = ScoredPool::of(&problem, shortlist(&problem, self.starts));
+        let starts = shortlist(&problem, self.starts);
+        let problem = problem.with_objective(Objective::RobustAndGap);
+        let mut pool = ScoredPool::of(&problem, starts);
         let left = pool.least_left(&problem);
         if left >= OTHER_SCALE * problem.modelling {
             return (problem, pool);
@@ -90,12 +96,8 @@ impl Pool {
 fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     let mut starts = starts.into_iter();
     let null = starts.next();
-    let fits = starts.collect::<Vec<_>>().into_par_iter().map(|start| {
-        let iterations = SHORT_ITERATIONS;
-        let fit = problem.fit(&start.hypothesis, start.x, Part::All, iterations);
-        let cost = fit.costs.level() + log_rms(&problem.window_squares(&fit, Part::All));
-        (cost, fit)
-    });
+    let fits = starts.collect::<Vec<_>>().into_par_iter();
+    let fits = fits.map(|start| short_fit(problem, &start.hypothesis, start.x));
     let mut fits: Vec<(f64, Fit)> = fits.collect();
     fits.sort_by(|a, b| a.0.total_cmp(&b.0));
     let names = |fit: &Fit| fit.hypothesis.names();
@@ -112,6 +114,38 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
         x: fit.x,
     });
     null.into_iter().chain(kept).collect()
+}
+
+/// Returns the sets that are left of `set` when the effect that it needs least is left out again and again, as long as the cost is within
+/// one standard error of that of `best`.
+fn simplified(problem: &Problem<'_>, set: &Scored, best: &Scored, kept: usize) -> Vec<Scored> {
+    let mut all = Vec::new();
+    let mut fit = set.fit.clone();
+    while fit.hypothesis.terms.len() > kept + 1 {
+        let places = kept..fit.hypothesis.terms.len();
+        let fits = places.into_par_iter().map(|place| {
+            let (hypothesis, x) = fit.without(place);
+            short_fit(problem, &hypothesis, x)
+        });
+        let least = fits.min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((_, less)) = least else {
+            break;
+        };
+        let one = Scored::of(problem, &less.hypothesis, less.x);
+        if !is_within_error(&one, best) {
+            break;
+        }
+        fit = one.fit.clone();
+        all.push(one);
+    }
+    all
+}
+
+/// Returns a fit with few iterations to all windows, and its cost.
+fn short_fit(problem: &Problem<'_>, hypothesis: &Hypothesis, x: Vec<f64>) -> (f64, Fit) {
+    let fit = problem.fit(hypothesis, x, Part::All, SHORT_ITERATIONS);
+    let cost = fit.costs.level() + log_rms(&problem.window_squares(&fit, Part::All));
+    (cost, fit)
 }
 
 /// Number of further sets that may be taken, plausible ones and others.
@@ -209,6 +243,28 @@ impl ScoredPool {
                 self.add(one);
             }
         }
+    }
+
+    /// Returns the pool with simpler forms of the sets within one standard error of the lowest cost. The effect that its set needs least is
+    /// left out, until the cost is higher than that. The simplest set is left out, because [`without_needless`](Self::without_needless)
+    /// looks at each of its effects.
+    pub(super) fn with_simpler(mut self, problem: &Problem<'_>, kept: usize) -> Self {
+        let Some(best) = cheapest(&self.sets).cloned() else {
+            return self;
+        };
+        let simplest = simplest(&self.sets).map(Scored::names);
+        let within = self.sets.iter().filter(|set| {
+            set.is_plausible && is_within_error(set, &best) && Some(set.names()) != simplest
+        });
+        let simpler = within
+            .take(MOST_SIMPLIFIED)
+            .collect::<Vec<_>>()
+            .into_par_iter();
+        let simpler = simpler.map(|set| simplified(problem, set, &best, kept));
+        for one in simpler.collect::<Vec<Vec<Scored>>>().into_iter().flatten() {
+            self.add(one);
+        }
+        self
     }
 
     /// Returns the pool with further sets, each fitted and scored.

@@ -65,24 +65,49 @@ impl Scored {
     /// cost alone says little about the gap where the residual is far above the noise, because it barely counts a window that is predicted
     /// badly. The rms residual alone follows a few such windows.
     pub(super) fn cost(&self) -> f64 {
-        let sum: f64 = self.unseen.iter().sum();
-        (sum + self.fit.costs.prior) / self.unseen.len().max(1) as f64 + log_rms(&self.squares)
-    }
-
-    /// Returns the change of the cost with the weight of each window, times the number of windows.
-    fn influences(&self) -> impl Iterator<Item = f64> {
-        let half = 0.5 * self.squares.len() as f64;
-        let sum = self.squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
-        let pairs = self.unseen.iter().zip(&self.squares);
-        pairs.map(move |(robust, square)| robust + half * square / sum)
+        OnWindows::of(self, &self.all()).cost
     }
 
     /// Returns the difference of the cost from that of `other`, and its standard error over the windows.
     pub(super) fn excess_over(&self, other: &Self) -> [f64; 2] {
-        let pairs = self.influences().zip(other.influences());
+        let [own, its] = [self, other].map(|set| OnWindows::of(set, &set.all()));
+        own.excess_over(&its)
+    }
+
+    /// Returns the indices of all windows.
+    fn all(&self) -> Vec<usize> {
+        (0..self.unseen.len()).collect()
+    }
+}
+
+/// A set on some windows, each of which may be taken several times.
+struct OnWindows {
+    cost: f64,
+    /// Change of the cost with the weight of each window, times the number of windows.
+    influences: Vec<f64>,
+}
+
+impl OnWindows {
+    fn of(set: &Scored, windows: &[usize]) -> Self {
+        let count = windows.len().max(1) as f64;
+        let squares: Vec<f64> = windows.iter().map(|&w| set.squares[w]).collect();
+        let per_square = 0.5 * count / squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        let robust: f64 = windows.iter().map(|&w| set.unseen[w]).sum();
+        let prior = set.fit.costs.prior / set.unseen.len().max(1) as f64;
+        let pairs = windows.iter().zip(&squares);
+        Self {
+            cost: robust / count + prior + log_rms(&squares),
+            influences: pairs
+                .map(|(&w, square)| set.unseen[w] + per_square * square)
+                .collect(),
+        }
+    }
+
+    fn excess_over(&self, other: &Self) -> [f64; 2] {
+        let pairs = self.influences.iter().zip(&other.influences);
         let differences: Vec<f64> = pairs.map(|(own, its)| own - its).collect();
         let (_, error) = mean_and_error(&differences);
-        [self.cost() - other.cost(), error]
+        [self.cost - other.cost, error]
     }
 }
 
@@ -94,13 +119,33 @@ pub(super) fn log_rms(squares: &[f64]) -> f64 {
 /// Returns the simplest of the plausible sets whose cost is within one standard error of the lowest cost. It has the fewest effects, then
 /// the fewest free parameters, then the lowest cost. Returns `None` if no set is plausible.
 pub(super) fn simplest(all: &[Scored]) -> Option<&Scored> {
-    let plausible = || all.iter().filter(|scored| scored.is_plausible);
-    let best = plausible().min_by(|a, b| a.cost().total_cmp(&b.cost()))?;
-    let within = plausible().filter(|scored| is_within_error(scored, best));
-    within.min_by(|a, b| {
+    simplest_on(all, &all.first()?.all())
+}
+
+/// Returns the simplest set as [`simplest`] does, with the costs on some windows.
+pub(super) fn simplest_on<'a>(all: &'a [Scored], windows: &[usize]) -> Option<&'a Scored> {
+    let plausible = all.iter().filter(|scored| scored.is_plausible);
+    let plausible: Vec<(&Scored, OnWindows)> = plausible
+        .map(|scored| (scored, OnWindows::of(scored, windows)))
+        .collect();
+    let (_, best) = plausible
+        .iter()
+        .min_by(|(_, a), (_, b)| a.cost.total_cmp(&b.cost))?;
+    let within = plausible.iter().filter(|(_, costs)| {
+        let [excess, error] = costs.excess_over(best);
+        excess <= error
+    });
+    let simplest = within.min_by(|(a, of_a), (b, of_b)| {
         let by_complexity = a.complexity().cmp(&b.complexity());
-        by_complexity.then(a.cost().total_cmp(&b.cost()))
-    })
+        by_complexity.then(of_a.cost.total_cmp(&of_b.cost))
+    });
+    simplest.map(|(scored, _)| *scored)
+}
+
+/// Returns the plausible set of the lowest cost, if there is one.
+pub(super) fn cheapest(all: &[Scored]) -> Option<&Scored> {
+    let plausible = all.iter().filter(|scored| scored.is_plausible);
+    plausible.min_by(|a, b| a.cost().total_cmp(&b.cost()))
 }
 
 /// Returns true if the cost of one set exceeds that of another by at most one standard error.

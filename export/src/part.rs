@@ -119,7 +119,7 @@ impl Part {
             Self::SensorHysteresis => "sensor_hysteresis",
             Self::SensorLag => "sensor_lag",
             Self::LostCounts => "lost_counts",
-            Self::Law => "a torque that a user wrote down",
+            Self::Law => "a torque that a user wrote down, or the dead band of a servo",
         }
     }
 }

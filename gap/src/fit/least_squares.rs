@@ -4,6 +4,7 @@ use super::costs::Costs;
 use super::fitted::Fit;
 use super::hypothesis::Hypothesis;
 use super::linearization::Linearization;
+use super::objective::GapEquations;
 use super::part::Part;
 use super::problem::{PRIOR_WEIGHT, Problem};
 use super::slopes::{DIFFERENCES, Slope, clamped, difference_within};
@@ -138,13 +139,10 @@ impl Problem<'_> {
                 .chain(&slopes)
                 .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
-            let mut gradient;
-            (normal, scatter, gradient) = self.normal_equations(&here, &columns);
             let raw: Vec<&Slope> = known.iter().chain(&slopes).collect();
-            if let Some((more, score)) = self.gap_equations(&here.residuals, &raw, part) {
-                normal += more;
-                gradient += score;
-            }
+            let of_gap = self.gap_equations(&here.residuals, &raw, part);
+            let gradient;
+            (normal, scatter, gradient) = self.normal_equations(&here, &columns, of_gap);
             let at_bound = |&i: &usize| {
                 let ([low, high], x) = (ranges[i], here.x[i]);
                 (gradient[i] > 0.0 && x <= low) || (gradient[i] < 0.0 && x >= high)
@@ -217,12 +215,13 @@ impl Problem<'_> {
         }
     }
 
-    /// Normal matrix, scatter matrix of the scores of the windows, and gradient of the robust cost at a point. `columns` holds the
-    /// whitened slopes along all coordinates.
+    /// Normal matrix, scatter matrix of the scores of the windows, and gradient of the objective at a point. `columns` holds the whitened
+    /// slopes along all coordinates.
     fn normal_equations(
         &self,
         here: &Point,
         columns: &[Vec<Vec<f64>>],
+        of_gap: Option<GapEquations>,
     ) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let n = columns.len();
         let mut gradient = DVector::zeros(n);
@@ -232,7 +231,10 @@ impl Problem<'_> {
         for (w, base) in windows.filter(|(_, r)| !r.is_empty()) {
             let weight = 1.0 / (base.len() as f64 * (1.0 + here.costs.per_sample[w]));
             let scores = columns.iter().map(|c| weight * dot(&c[w], base));
-            let score = DVector::from_iterator(n, scores);
+            let mut score = DVector::from_iterator(n, scores);
+            if let Some(of_gap) = of_gap.as_ref().and_then(|gap| gap.scores[w].as_ref()) {
+                score += of_gap;
+            }
             for i in 0..n {
                 for j in 0..=i {
                     normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
@@ -242,6 +244,9 @@ impl Problem<'_> {
             gradient += score;
         }
         normal.fill_upper_triangle_with_lower_triangle();
+        if let Some(of_gap) = of_gap {
+            normal += of_gap.normal;
+        }
         for i in 0..self.priors.len() {
             normal[(i, i)] += PRIOR_WEIGHT;
             gradient[i] += PRIOR_WEIGHT * here.x[i];

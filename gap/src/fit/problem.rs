@@ -19,6 +19,7 @@ pub(crate) struct Problem<'a> {
     pub priors: Vec<PriorParameter>,
     /// Allowed model error: rms deviation of an acceptable model, in position units.
     pub modelling: f64,
+    /// The objective of its fits.
     pub objective: Objective,
     /// The same data with restarts four times as often.
     pub quarter: Option<Box<Problem<'a>>>,

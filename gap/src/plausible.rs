@@ -1,6 +1,7 @@
-//! Detects parameter values that no device has. A fit with such a value compensates another cause.
+//! Detects fitted effects that compensate another cause: with a parameter value that no device has, or with one at which the effect acts
+//! as another one.
 
-use crate::effects;
+use crate::effects::{self, Fitted};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::term::{Scale, Term};
@@ -12,6 +13,31 @@ use std::fmt;
 const FAR: f64 = 3.0;
 /// The stated inertia of the paddle, to which the typical inertias refer, kg m².
 const PADDLE_INERTIA: f64 = 5.755e-4;
+
+/// True if every effect of a fit acts as its name says.
+pub(crate) fn is_true_to_names(problem: &Problem<'_>, fit: &Fit) -> bool {
+    fit.hypothesis.parts(&fit.x).all(|(term, x)| {
+        let term = term.moved(x);
+        is_repeated(problem, &term) && !acts_as_another(problem, fit, &term)
+    })
+}
+
+/// True if an effect of a fit, with its fitted values, acts as another effect does at these values.
+pub(crate) fn acts_as_another(problem: &Problem<'_>, fit: &Fit, fitted: &Term) -> bool {
+    effects::of(fitted.kind.name).is_degenerate(&Fitted {
+        term: fitted,
+        device: problem.predictor(&fit.hypothesis, &fit.x).device(),
+        series: &problem.series,
+        horizon_s: problem.recording.horizon,
+        resolution: problem.recording.sensor("position").resolution,
+    })
+}
+
+/// True if an effect is not periodic, or the recording travels at least one of its periods.
+pub(crate) fn is_repeated(problem: &Problem<'_>, fitted: &Term) -> bool {
+    let effect = effects::of(fitted.kind.name);
+    effect.too_few_periods(fitted, problem.extremes()).is_none()
+}
 
 /// An implausible parameter value of an effect.
 #[derive(Clone, Debug, PartialEq)]

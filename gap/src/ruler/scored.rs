@@ -5,7 +5,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
-use crate::plausible::Implausible;
+use crate::plausible::{Implausible, is_true_to_names};
 
 const ITERATIONS: usize = 5;
 /// Deviation from its stated value up to which a model parameter without a stated tolerance does not count as an effect, in standard
@@ -23,7 +23,7 @@ pub(super) struct Scored {
     pub squares: Vec<f64>,
     /// Number of model parameters without a stated tolerance that deviate more than the typical error of such a parameter.
     pub moved: usize,
-    /// True if no effect has an implausible parameter value.
+    /// True if no effect has an implausible parameter value, and each acts as its name says.
     pub is_plausible: bool,
 }
 
@@ -43,7 +43,7 @@ impl Scored {
         let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > USUAL);
         Self {
             moved: moved.count(),
-            is_plausible: Implausible::has_none(problem, &fit),
+            is_plausible: Implausible::has_none(problem, &fit) && is_true_to_names(problem, &fit),
             fit,
             unseen: unseen.into_iter().map(f64::ln_1p).collect(),
             squares,

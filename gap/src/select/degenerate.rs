@@ -4,10 +4,11 @@ use super::episode_search;
 use super::excess::level;
 use super::ranking::enough;
 use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
-use crate::effects::{self, Fitted};
+use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
+use crate::plausible::{acts_as_another, is_repeated};
 
 /// Returns true if the last effect of a fit does not act as its name says. If the model is not adequate, a temporary effect must end, and
 /// its strength must be significant.
@@ -20,13 +21,7 @@ pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
         return !episode_search::is_there(fit)
             || episode_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
     }
-    effect.is_degenerate(&Fitted {
-        term: &last,
-        device: search.problem.predictor(&fit.hypothesis, &fit.x).device(),
-        series: &search.problem.series,
-        horizon_s: search.problem.recording.horizon,
-        resolution: search.problem.recording.sensor("position").resolution,
-    })
+    acts_as_another(search.problem, fit, &last)
 }
 
 /// Returns true if a special case of the last effect is excluded from the search and explains nearly as much.
@@ -51,10 +46,8 @@ pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
 
 /// Returns false if the last effect of a fit is a ripple of which less than one period was travelled. A spring may explain as much.
 pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
-    fit.last_term().is_none_or(|last| {
-        let effect = effects::of(last.kind.name);
-        effect.too_few_periods(&last, problem.extremes()).is_none()
-    })
+    fit.last_term()
+        .is_none_or(|last| is_repeated(problem, &last))
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ pub const KIND: Kind = Kind {
     channel: Channel::Friction,
     about: "Dry friction that grows with the torque that is transmitted",
     equation: "F = (F_c + µ |T + p P(x)|) sign(v), with µ + b where T + p P acts against v",
-    sizes_from: "The shares are an assumption: a transmission with an efficiency of 98 to 50 %.",
+    sizes_from: "The shares are an assumption: a transmission with an efficiency η of 98 to 50 % where the motor drives. Where the load drives, the friction is 1/η − 1 of the motor's torque; 4 is an efficiency of 20 %.",
     parameters: &[
         Parameter {
             name: "share",
@@ -33,7 +33,7 @@ pub const KIND: Kind = Kind {
             quantity: Quantity::Ratio,
             range: ANY,
             default: 0.0,
-            typical: [-0.5, 1.0],
+            typical: [-0.5, 4.0],
             about: "share that is added to `share` where the load drives the motor",
         },
     ],

@@ -155,9 +155,13 @@ impl<'a> SearchResult<'a> {
         }
         let confounder = Confounder::of(&problem, &selection);
         let verdict = verdict(&problem, &selection, &correction.gap, confounder);
-        if verdict == Verdict::NoGap && is_gap {
-            correction = Correction::of_numbers(&problem, &selection, &baseline);
-        }
+        let by_numbers = (selection.rounds.is_empty() && is_gap)
+            .then(|| Correction::of_numbers(&problem, &selection, &baseline))
+            .filter(|of_numbers| {
+                verdict == Verdict::NoGap
+                    || rejection.is_none() && of_numbers.stands_alone(&baseline.model_free)
+            });
+        correction = by_numbers.unwrap_or(correction);
         let timing = timing::doubt(&problem, selection.fit());
         Self {
             problem,
@@ -492,8 +496,15 @@ impl Correction {
             model,
             numbers,
             after,
+            lowest: total[1],
             ..none
         }
+    }
+
+    /// True if all parameters that moved are within their tolerances, and the model predicts better than no model does.
+    fn stands_alone(&self, model_free: &ModelFree) -> bool {
+        let are_within = self.numbers.iter().all(NumberFinding::is_within_tolerance);
+        are_within && Rejection::of(&self.after, model_free, self.lowest).is_none()
     }
 
     /// The reason to reject the correction, if any. An effect that two columns show needs no prediction.

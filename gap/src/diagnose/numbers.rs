@@ -97,6 +97,14 @@ const BEYOND_TOLERANCE: f64 = 3.0;
 /// Confidence in such an effect. Another parameter or effect may be the cause.
 const SURE_BEYOND_TOLERANCE: f64 = 0.45;
 
+impl NumberFinding {
+    /// True if it moved within its stated tolerance, or has no stated value.
+    pub(super) fn is_within_tolerance(&self) -> bool {
+        let sigmas = self.sigmas;
+        self.stated.is_none() || sigmas.is_some_and(|sigmas| sigmas <= BEYOND_TOLERANCE)
+    }
+}
+
 /// The parameters that moved beyond their tolerances, or that were stated as exact, as effects. Effects that are already `named` are left
 /// out.
 pub(super) fn beyond_tolerance(
@@ -104,12 +112,9 @@ pub(super) fn beyond_tolerance(
     named: &[&str],
     confidence_limit: f64,
 ) -> Vec<Finding> {
-    let beyond = numbers.iter().filter(|number| {
-        let is_within = number
-            .sigmas
-            .is_some_and(|sigmas| sigmas <= BEYOND_TOLERANCE);
-        number.stated.is_some() && !is_within
-    });
+    let beyond = numbers
+        .iter()
+        .filter(|number| !number.is_within_tolerance());
     let findings = beyond.filter_map(|number| {
         let effect = effects::replacing(&number.name)?;
         let kind = effect.kind();

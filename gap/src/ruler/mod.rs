@@ -26,7 +26,11 @@ use crate::fit::problem::Problem;
 use crate::floor::ExpectedLoss;
 use crate::select::{self, Given, Search, Selection};
 use crate::stage::Stage;
-use pool::Pool;
+use pool::{Pool, ScoredPool};
+use scored::Scored;
+
+/// Largest number of chosen sets whose effects are exchanged.
+const MOST_EXCHANGED: usize = 3;
 
 /// Compares the effects that a search `found` with all sets that it fitted and with further sets. Returns `None` if the found effects
 /// explain everything, if one of them was known before the search, or if there is no gap.
@@ -47,17 +51,31 @@ pub(crate) fn measured<'a>(
     let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
     let kept = found.null.hypothesis.terms.len();
-    let (set, pool) = pool.with_simpler(&free, kept).without_needless(&free, kept);
     let search = Search {
         problem: &free,
         given,
         progress,
         expected: found.expected,
     };
-    let confounders = confounders::of(&search, &set.fit, kept);
-    let (set, pool) = pool.with(&free, confounders).without_needless(&free, kept);
+    let (set, pool) = settled(&search, pool, kept);
     let selection = selection::of(&free, found, &set, &pool);
     Some((free, selection))
+}
+
+/// Returns the chosen set and the pool, with simpler forms of the best sets and with sets in which an effect of the chosen one is exchanged.
+/// As these may be better, they are added until the chosen set stays the same.
+fn settled(search: &Search<'_>, mut pool: ScoredPool, kept: usize) -> (Scored, ScoredPool) {
+    let mut exchanged = Vec::new();
+    loop {
+        let simpler = pool.with_simpler(search.problem, kept);
+        let (set, reduced) = simpler.without_needless(search.problem, kept);
+        if exchanged.contains(&set.names()) || exchanged.len() == MOST_EXCHANGED {
+            return (set, reduced);
+        }
+        exchanged.push(set.names());
+        let confounders = confounders::of(search, &set.fit, kept);
+        pool = reduced.with(search.problem, confounders);
+    }
 }
 
 /// Adds three kinds of sets to the pool: those that the missing torque proposes, the set of all main parameters, and effects on top of that

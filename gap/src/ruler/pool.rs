@@ -183,6 +183,8 @@ pub(super) struct ScoredPool {
     pub sets: Vec<Scored>,
     /// Names of the sets from which each effect was left out in turn.
     reduced: Vec<Vec<&'static str>>,
+    /// Names of the sets of which simpler forms were tried.
+    simplified: Vec<Vec<&'static str>>,
 }
 
 impl ScoredPool {
@@ -203,6 +205,7 @@ impl ScoredPool {
             null,
             sets,
             reduced: Vec::new(),
+            simplified: Vec::new(),
         }
     }
 
@@ -256,12 +259,15 @@ impl ScoredPool {
         let within = self.sets.iter().filter(|set| {
             set.is_plausible && is_within_error(set, &best) && Some(set.names()) != simplest
         });
-        let simpler = within
-            .take(MOST_SIMPLIFIED)
-            .collect::<Vec<_>>()
-            .into_par_iter();
-        let simpler = simpler.map(|set| simplified(problem, set, &best, kept));
-        for one in simpler.collect::<Vec<Vec<Scored>>>().into_iter().flatten() {
+        let new = within.filter(|set| !self.simplified.contains(&set.names()));
+        let new: Vec<&Scored> = new.take(MOST_SIMPLIFIED).collect();
+        let names: Vec<_> = new.iter().map(|set| set.names()).collect();
+        let simpler = new
+            .into_par_iter()
+            .map(|set| simplified(problem, set, &best, kept));
+        let simpler: Vec<Vec<Scored>> = simpler.collect();
+        self.simplified.extend(names);
+        for one in simpler.into_iter().flatten() {
             self.add(one);
         }
         self

@@ -2,8 +2,8 @@
 
 use super::region::Labels;
 use gap::diagnosis::{
-    Closing, Diagnosis, Estimate, Finding, FloorOf, MeasuredBy, NextExperiment, Profile,
-    ProfilePart, Region, Tried, Verdict,
+    Closing, Diagnosis, Estimate, Finding, FloorOf, MeasuredBy, NextExperiment, NumberFinding,
+    Profile, ProfilePart, Region, Tried, Verdict,
 };
 use std::collections::BTreeMap;
 
@@ -34,6 +34,20 @@ pub fn profile(along: &'static str, edges: [f64; 4]) -> Profile {
         along,
         parts: parts.collect(),
         marked: [edges[1], edges[2]],
+    }
+}
+
+/// A Coulomb friction that moved within its tolerance.
+pub fn moved_number() -> NumberFinding {
+    NumberFinding {
+        name: "coulomb".into(),
+        stated: Some(0.02),
+        found: 0.057,
+        std: Some(0.002),
+        sigmas: Some(2.1),
+        shrink: 0.71,
+        shrink_interval: [0.6, 0.8],
+        unit: "N m".into(),
     }
 }
 

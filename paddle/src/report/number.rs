@@ -32,17 +32,13 @@ fn sentence(number: &NumberFinding) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::example;
 
     fn number(stated: Option<f64>, sigmas: Option<f64>) -> NumberFinding {
         NumberFinding {
-            name: "coulomb".into(),
             stated,
-            found: 0.057,
-            std: Some(0.002),
             sigmas,
-            shrink: 0.71,
-            shrink_interval: [0.6, 0.8],
-            unit: "N m".into(),
+            ..example::moved_number()
         }
     }
 

@@ -73,6 +73,11 @@ pub fn paragraph(diagnosis: &Diagnosis, labels: &Labels) -> String {
             "The gap is {before} where a perfect model would leave {floor}. {}.",
             capitalized(rejection)
         ));
+    } else if found.is_empty() && !diagnosis.numbers.is_empty() && gap.shrink > 0.0 {
+        sentences.push(format!(
+            "By these numbers alone the gap falls from {before} to {after} (floor {floor}). No effect of the library \
+             makes the rest smaller on data the fit has not seen."
+        ));
     } else if found.is_empty() {
         sentences.push(format!(
             "The gap is {before} where a perfect model would leave {floor}, and no effect of the library makes it \
@@ -358,6 +363,19 @@ mod tests {
         assert!(text.starts_with("Most of the gap (71 %)"), "{text}");
         assert!(
             text.contains("no effect of the library") && !text.contains("explains it"),
+            "{text}"
+        );
+    }
+
+    #[test]
+    fn numbers_that_close_a_gap_without_an_effect_are_said_to_do_so() {
+        let mut diagnosis = example::stribeck();
+        diagnosis.verdict = Verdict::Unexplained;
+        diagnosis.effects.clear();
+        diagnosis.numbers = vec![example::moved_number()];
+        let text = paragraph(&diagnosis, &example::labels());
+        assert!(
+            text.contains("By these numbers alone") && text.contains("No effect of the library"),
             "{text}"
         );
     }

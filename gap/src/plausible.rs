@@ -145,6 +145,23 @@ mod tests {
     }
 
     #[test]
+    fn a_ripple_of_which_less_than_a_period_was_travelled_does_not_act_as_its_name_says() {
+        let recording = made::recording(&[]);
+        let problem = made::problem(&recording);
+        let [low, high] = problem.extremes();
+        let is_true = |periods: f64| {
+            let mut ripple = made::term("cogging", &[]);
+            ripple.values[1] = periods * core::f64::consts::TAU / (high - low);
+            let hypothesis = Hypothesis {
+                terms: vec![ripple],
+            };
+            let fit = problem.fit(&hypothesis, Vec::new(), Part::All, 0);
+            is_true_to_names(&problem, &fit)
+        };
+        assert_eq!([0.5, 3.0].map(is_true), [false, true]);
+    }
+
+    #[test]
     fn values_far_outside_of_their_typical_range_are_implausible() {
         for (name, size) in [
             ("torque_gain", 0.015),

@@ -78,48 +78,45 @@ fn an_input_of_limited_rate_is_named_with_its_rate() {
     assert!((rate / 0.012 - 1.0).abs() < 0.03, "{rate}");
 }
 
-#[test]
-fn a_servo_whose_speed_limit_is_stated_leaves_no_gap() {
-    let servo = Model {
+/// A position servo on the paddle.
+fn servo() -> Model {
+    Model {
         ratio: 0.5,
         stiffness: 0.5,
-        input_rate_limit: Some(0.003),
         ..paddle()
+    }
+}
+
+/// The gap of `nominal` on a recording of `device`, rad.
+fn gap_of(nominal: Model, device: &Model) -> f64 {
+    let recording = recording(device, nominal, 5e-5, 0.0, 11);
+    gap::measure(&recording, &Device::nominal(&nominal))
+        .0
+        .before
+}
+
+#[test]
+fn a_servo_whose_speed_limit_is_stated_leaves_no_gap() {
+    let limited = Model {
+        input_rate_limit: Some(0.003),
+        ..servo()
     };
-    let unlimited = Model {
-        input_rate_limit: None,
-        ..servo
-    };
-    let gap = |device: &Model, nominal: Model| {
-        let recording = recording(device, nominal, 5e-5, 0.0, 11);
-        gap::measure(&recording, &Device::nominal(&nominal)).0
-    };
-    let exact = gap(&unlimited, unlimited).before;
-    let stated = gap(&servo, servo).before;
-    let left_out = gap(&servo, unlimited).before;
+    let exact = gap_of(servo(), &servo());
+    let stated = gap_of(limited, &limited);
+    let left_out = gap_of(servo(), &limited);
     assert!(stated < 1.1 * exact, "{stated} {exact}");
     assert!(left_out > 1.5 * stated, "{left_out} {stated}");
 }
 
 #[test]
 fn a_servo_whose_dead_band_is_stated_leaves_no_gap() {
-    let servo = Model {
-        ratio: 0.5,
-        stiffness: 0.5,
+    let dead = Model {
         error_deadband: Some(0.004),
-        ..paddle()
+        ..servo()
     };
-    let without = Model {
-        error_deadband: None,
-        ..servo
-    };
-    let gap = |device: &Model, nominal: Model| {
-        let recording = recording(device, nominal, 5e-5, 0.0, 11);
-        gap::measure(&recording, &Device::nominal(&nominal)).0
-    };
-    let exact = gap(&without, without).before;
-    let stated = gap(&servo, servo).before;
-    let left_out = gap(&servo, without).before;
+    let exact = gap_of(servo(), &servo());
+    let stated = gap_of(dead, &dead);
+    let left_out = gap_of(servo(), &dead);
     assert!(stated < 1.2 * exact, "{stated} {exact}");
     assert!(left_out > 2.0 * stated, "{left_out} {stated}");
 }

@@ -87,6 +87,7 @@ impl Device {
         friction.level_nm = friction
             .level_nm
             .map(|level| (level + own.coulomb - stated.coulomb).max(0.0));
+        // The dead band with the stated numbers is replaced by the one with the numbers of the run.
         let stated_deadband = error_deadband(stated);
         mechanics
             .laws

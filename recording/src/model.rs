@@ -50,8 +50,9 @@ pub struct Model {
     /// Largest rate of the acting input, per s, before delay and lag. `None` is no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_rate_limit: Option<f64>,
-    /// Half width of the dead band of `input - position` of a position servo, rad. Within it `ratio * input - stiffness *
-    /// position` is 0, and beyond it the magnitude is smaller by `ratio * error_deadband`. `None` is no dead band.
+    /// Half width of the dead band of a position servo, rad. `None` is no dead band. The servo has no torque if the magnitude of
+    /// `input - position` is smaller. Otherwise the magnitude of its torque is smaller by `ratio * error_deadband`. The model
+    /// of a servo has `stiffness` equal to `ratio`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error_deadband: Option<f64>,
     /// Positions of the lower and the upper hard stop, rad. `None` is no stops.

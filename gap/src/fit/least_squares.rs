@@ -139,10 +139,10 @@ impl Problem<'_> {
                 .chain(&slopes)
                 .map(|slope| self.whitened(slope, &whitenings))
                 .collect();
-            let raw: Vec<&Slope> = known.iter().chain(&slopes).collect();
-            let of_gap = self.gap_equations(&here.residuals, &raw, part);
+            let raw = known.iter().chain(&slopes);
+            let of_gap = self.gap_equations(&here.residuals, raw, part);
             let gradient;
-            (normal, scatter, gradient) = self.normal_equations(&here, &columns, of_gap);
+            (normal, scatter, gradient) = self.normal_equations(&here, &columns, of_gap.as_ref());
             let at_bound = |&i: &usize| {
                 let ([low, high], x) = (ranges[i], here.x[i]);
                 (gradient[i] > 0.0 && x <= low) || (gradient[i] < 0.0 && x >= high)
@@ -177,6 +177,7 @@ impl Problem<'_> {
             };
             here = there;
             let gain = total - here.objective;
+            // The objective may be zero or negative if it has a logarithm, so the gain is compared with the costs.
             let scale = here.costs.sum();
             if iteration >= WIDE_ITERATIONS && gain < (LEAST_GAIN * scale).min(LEAST_WINDOW_GAIN) {
                 break;
@@ -221,32 +222,29 @@ impl Problem<'_> {
         &self,
         here: &Point,
         columns: &[Vec<Vec<f64>>],
-        of_gap: Option<GapEquations>,
+        of_gap: Option<&GapEquations<'_>>,
     ) -> (DMatrix<f64>, DMatrix<f64>, DVector<f64>) {
         let n = columns.len();
         let mut gradient = DVector::zeros(n);
         let mut normal = DMatrix::zeros(n, n);
+        let mut normal_of_gap = DMatrix::zeros(n, n);
         let mut scatter = DMatrix::zeros(n, n);
         let windows = here.whitened.iter().enumerate();
         for (w, base) in windows.filter(|(_, r)| !r.is_empty()) {
             let weight = 1.0 / (base.len() as f64 * (1.0 + here.costs.per_sample[w]));
-            let scores = columns.iter().map(|c| weight * dot(&c[w], base));
-            let mut score = DVector::from_iterator(n, scores);
-            if let Some(of_gap) = of_gap.as_ref().and_then(|gap| gap.scores[w].as_ref()) {
-                score += of_gap;
-            }
-            for i in 0..n {
-                for j in 0..=i {
-                    normal[(i, j)] += weight * dot(&columns[i][w], &columns[j][w]);
-                }
+            let mut score = DVector::zeros(n);
+            let whitened: Vec<&[f64]> = columns.iter().map(|c| &*c[w]).collect();
+            add_window(&mut normal, &mut score, weight, &whitened, base);
+            if let Some(gap) = of_gap {
+                let raw: Vec<&[f64]> = gap.slopes.iter().map(|slope| slope[w]).collect();
+                let residual = gap.residuals[w];
+                add_window(&mut normal_of_gap, &mut score, gap.weight, &raw, residual);
             }
             scatter += &score * score.transpose();
             gradient += score;
         }
+        normal += normal_of_gap;
         normal.fill_upper_triangle_with_lower_triangle();
-        if let Some(of_gap) = of_gap {
-            normal += of_gap.normal;
-        }
         for i in 0..self.priors.len() {
             normal[(i, i)] += PRIOR_WEIGHT;
             gradient[i] += PRIOR_WEIGHT * here.x[i];
@@ -265,7 +263,7 @@ struct Point {
     objective: f64,
 }
 
-/// The best point of a fit, each judged with its own whitenings.
+/// The best point of a fit so far. Each point was judged with its own whitenings.
 struct Best {
     x: Vec<f64>,
     costs: Costs,
@@ -273,7 +271,7 @@ struct Best {
 }
 
 impl Point {
-    /// Keeps this point if its cost with its own whitenings is lower. The whitenings differ between points, so a step that reduced the
+    /// Keeps this point if its objective with its own whitenings is lower. The whitenings differ between points, so a step that reduced the
     /// cost with fixed whitenings may have increased it.
     fn keep_if_better(&self, best: &mut Best) {
         if self.objective < best.objective {
@@ -286,6 +284,22 @@ impl Point {
             x: self.x.clone(),
             costs: self.costs.clone(),
             objective: self.objective,
+        }
+    }
+}
+
+/// Adds one window to the lower triangle of a normal matrix, and its gradient to `score`. `slopes` are those of its `residual`.
+fn add_window(
+    normal: &mut DMatrix<f64>,
+    score: &mut DVector<f64>,
+    weight: f64,
+    slopes: &[&[f64]],
+    residual: &[f64],
+) {
+    for i in 0..slopes.len() {
+        score[i] += weight * dot(slopes[i], residual);
+        for j in 0..=i {
+            normal[(i, j)] += weight * dot(slopes[i], slopes[j]);
         }
     }
 }

@@ -5,23 +5,26 @@ use super::part::Part;
 use super::problem::Problem;
 use super::slopes::Slope;
 use super::whitening::dot;
-use nalgebra::{DMatrix, DVector};
 
 /// The objective that a fit minimizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Objective {
-    /// The robust cost of the windows, and the prior cost.
+    /// The sum of the robust costs of the windows, and the prior cost.
     Robust,
-    /// The same, plus the logarithm of the rms residual of all windows, once for each window. The robust cost alone barely counts a window
-    /// that is predicted badly, so that far above the noise its minimum may have a large gap.
+    /// The sum of the robust costs of the windows, the prior cost, and the number of windows times the logarithm of the rms residual. The
+    /// robust cost of a window hardly grows when its prediction becomes worse. If residuals are far above the noise, the minimum of the
+    /// robust costs alone may therefore have a large gap.
     RobustAndGap,
 }
 
-/// The contribution of the logarithm of the rms residual to the equations of one step.
-pub(super) struct GapEquations {
-    pub normal: DMatrix<f64>,
-    /// Gradient of each window, by running index. It is `None` for windows that take no part.
-    pub scores: Vec<Option<DVector<f64>>>,
+/// The part of the equations of one step that comes from the logarithm of the rms residual.
+pub(super) struct GapEquations<'a> {
+    /// Weight of the squared residuals of each window.
+    pub weight: f64,
+    /// Residuals of each window, by running index.
+    pub residuals: Vec<&'a [f64]>,
+    /// Slopes of the residuals along each coordinate, for each window.
+    pub slopes: Vec<Vec<&'a [f64]>>,
 }
 
 impl Problem<'_> {
@@ -36,58 +39,37 @@ impl Problem<'_> {
         }
     }
 
-    /// The equations of the logarithm of the rms residual, with the slopes of the residuals along all coordinates. `None` if the objective
-    /// does not contain it.
-    pub(super) fn gap_equations(
-        &self,
-        residuals: &[Vec<f64>],
-        slopes: &[&Slope],
+    /// The equations of the logarithm of the rms residual. `None` if the objective does not contain it.
+    pub(super) fn gap_equations<'a>(
+        &'a self,
+        residuals: &'a [Vec<f64>],
+        slopes: impl Iterator<Item = &'a Slope>,
         part: Part<'_>,
-    ) -> Option<GapEquations> {
-        if self.objective == Objective::Robust {
-            return None;
+    ) -> Option<GapEquations<'a>> {
+        match self.objective {
+            Objective::Robust => None,
+            Objective::RobustAndGap => {
+                let [count, squares] = self.count_and_squares(residuals, part);
+                Some(GapEquations {
+                    weight: count / squares,
+                    residuals: self.by_window(residuals).collect(),
+                    slopes: slopes
+                        .map(|slope| self.by_window(slope).collect())
+                        .collect(),
+                })
+            }
         }
-        let [count, squares] = self.count_and_squares(residuals, part);
-        let weight = count / squares;
-        let n = slopes.len();
-        let slopes: Vec<Vec<&[f64]>> = slopes.iter().map(|slope| self.by_window(slope)).collect();
-        let mut normal = DMatrix::zeros(n, n);
-        let windows = self.by_window(residuals).into_iter().enumerate();
-        let scores = windows.map(|(w, residual)| {
-            part.has(w).then(|| {
-                for i in 0..n {
-                    for j in 0..=i {
-                        normal[(i, j)] += weight * dot(slopes[i][w], slopes[j][w]);
-                    }
-                }
-                let along = slopes.iter().map(|slope| weight * dot(slope[w], residual));
-                DVector::from_iterator(n, along)
-            })
-        });
-        let scores = scores.collect();
-        normal.fill_upper_triangle_with_lower_triangle();
-        Some(GapEquations { normal, scores })
     }
 
     /// Number of windows of a part, and the sum of their squared residuals.
     fn count_and_squares(&self, residuals: &[Vec<f64>], part: Part<'_>) -> [f64; 2] {
-        let windows = self.by_window(residuals).into_iter().enumerate();
+        let windows = self.by_window(residuals).enumerate();
         let squares = windows.filter(|(w, _)| part.has(*w));
         let squares: Vec<f64> = squares.map(|(_, r)| dot(r, r)).collect();
         let sum: f64 = squares.iter().sum();
         // A model that diverges has the largest cost.
         let sum = if sum.is_finite() { sum } else { f64::MAX };
         [squares.len() as f64, sum.max(f64::MIN_POSITIVE)]
-    }
-
-    /// The values of each window, by running index, from those of each series.
-    fn by_window<'b>(&self, values: &'b [Vec<f64>]) -> Vec<&'b [f64]> {
-        let pairs = self.series.iter().zip(values);
-        let windows = pairs.flat_map(|(series, values)| {
-            let windows = series.windows.iter();
-            windows.map(|window| &values[window.samples.clone()])
-        });
-        windows.collect()
     }
 }
 

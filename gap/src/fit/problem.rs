@@ -129,19 +129,21 @@ impl Problem<'_> {
     /// Sum of squared residuals of each window of a part under a predictor, by running index. It is NaN for the other windows.
     pub(crate) fn squares(&self, predictor: &Predictor, part: Part<'_>) -> Vec<f64> {
         let residuals = self.residuals(predictor, part);
-        let pairs = self.series.iter().zip(&residuals).zip(self.bases());
-        pairs
-            .flat_map(|((series, residual), base)| {
-                series.windows.iter().enumerate().map(move |(w, window)| {
-                    if part.has(base + w) {
-                        let r = &residual[window.samples.clone()];
-                        dot(r, r)
-                    } else {
-                        f64::NAN
-                    }
-                })
-            })
-            .collect()
+        let windows = self.by_window(&residuals).enumerate();
+        let squares = windows.map(|(w, r)| if part.has(w) { dot(r, r) } else { f64::NAN });
+        squares.collect()
+    }
+
+    /// The values of each window, by running index, from the values of each series.
+    pub(super) fn by_window<'b>(
+        &'b self,
+        values: &'b [Vec<f64>],
+    ) -> impl Iterator<Item = &'b [f64]> {
+        let pairs = self.series.iter().zip(values);
+        pairs.flat_map(|(series, values)| {
+            let windows = series.windows.iter();
+            windows.map(|window| &values[window.samples.clone()])
+        })
     }
 
     /// True for the windows that overlap given intervals of the session, s, and for the windows that follow them.
@@ -217,12 +219,7 @@ impl Problem<'_> {
         residuals: &[Vec<f64>],
         whitenings: &[Option<Whitening>],
     ) -> Vec<Vec<f64>> {
-        let windows = self
-            .series
-            .iter()
-            .zip(residuals)
-            .flat_map(|(s, r)| s.windows.iter().map(move |w| &r[w.samples.clone()]));
-        windows
+        self.by_window(residuals)
             .zip(whitenings)
             .map(|(residual, whitening)| match whitening {
                 Some(whitening) => {

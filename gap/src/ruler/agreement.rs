@@ -8,7 +8,7 @@ const RESAMPLINGS: usize = 200;
 /// Number of windows in a block that is drawn as a whole. Adjacent windows have correlated model errors.
 const BLOCK: usize = 3;
 
-/// Returns the share of resamplings in which the chosen set contains the name. Windows are resampled in blocks.
+/// Returns the share of resamplings in which the set of [`simplest_on`] contains the name. Windows are resampled in blocks.
 pub(super) fn share(sets: &[Scored], name: &str) -> f64 {
     let windows = sets.first().map_or(0, |set| set.unseen.len());
     let blocks = windows.div_ceil(BLOCK);

@@ -29,7 +29,7 @@ use crate::stage::Stage;
 use pool::{Pool, ScoredPool};
 use scored::Scored;
 
-/// Largest number of chosen sets whose effects are exchanged.
+/// Largest number of chosen sets of which an effect is exchanged for another.
 const MOST_EXCHANGED: usize = 3;
 
 /// Compares the effects that a search `found` with all sets that it fitted and with further sets. Returns `None` if the found effects
@@ -62,8 +62,8 @@ pub(crate) fn measured<'a>(
     Some((free, selection))
 }
 
-/// Returns the chosen set and the pool, with simpler forms of the best sets and with sets in which an effect of the chosen one is exchanged.
-/// As these may be better, they are added until the chosen set stays the same.
+/// Returns the chosen set and the pool. Two kinds of sets are added to the pool until the chosen set stays the same: simpler forms of the
+/// best sets, and the chosen set with one effect exchanged for another.
 fn settled(search: &Search<'_>, mut pool: ScoredPool, kept: usize) -> (Scored, ScoredPool) {
     let mut exchanged = Vec::new();
     loop {

@@ -116,8 +116,8 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     null.into_iter().chain(kept).collect()
 }
 
-/// Returns the sets that are left of `set` when the effect that it needs least is left out again and again, as long as the cost is within
-/// one standard error of that of `best`.
+/// Returns simpler forms of `set`. Each has one effect less than the one before: the effect without which the cost is lowest. The last one
+/// is the simplest whose cost is within one standard error of that of `best`.
 fn simplified(problem: &Problem<'_>, set: &Scored, best: &Scored, kept: usize) -> Vec<Scored> {
     let mut all = Vec::new();
     let mut fit = set.fit.clone();
@@ -248,9 +248,9 @@ impl ScoredPool {
         }
     }
 
-    /// Returns the pool with simpler forms of the sets within one standard error of the lowest cost. The effect that its set needs least is
-    /// left out, until the cost is higher than that. The simplest set is left out, because [`without_needless`](Self::without_needless)
-    /// looks at each of its effects.
+    /// Returns the pool with simpler forms of the sets whose cost is within one standard error of the lowest one. At most
+    /// [`MOST_SIMPLIFIED`] sets are simplified. The simplest set is not among them, because
+    /// [`without_needless`](Self::without_needless) leaves out each of its effects in turn.
     pub(super) fn with_simpler(mut self, problem: &Problem<'_>, kept: usize) -> Self {
         let Some(best) = cheapest(&self.sets).cloned() else {
             return self;

@@ -4,8 +4,8 @@ use super::{Law, Moment, TorqueLaw};
 use recording::Model;
 use std::sync::Arc;
 
-/// The torque that the dead band takes from a servo whose torque is `ratio · (input − position)`: all of it while the
-/// position error is within the dead band, and `ratio` times the half width beyond.
+/// The difference, N m, that a dead band makes to a servo with the torque `ratio · (input − position)`. Within the dead band
+/// it cancels this torque. Beyond, it reduces the magnitude by `ratio` times the half width.
 ///
 /// The parameters are the half width in position units, the ratio in N m per unit of input, and the position at which the
 /// servo rests with zero input.

@@ -14,6 +14,11 @@ const FAR: f64 = 3.0;
 /// The stated inertia of the paddle, to which the typical inertias refer, kg m².
 const PADDLE_INERTIA: f64 = 5.755e-4;
 
+/// True if no effect of a fit has an implausible value, and each acts as its name says.
+pub(crate) fn is_plausible(problem: &Problem<'_>, fit: &Fit) -> bool {
+    Implausible::has_none(problem, fit) && is_true_to_names(problem, fit)
+}
+
 /// True if every effect of a fit acts as its name says.
 pub(crate) fn is_true_to_names(problem: &Problem<'_>, fit: &Fit) -> bool {
     fit.hypothesis.parts(&fit.x).all(|(term, x)| {
@@ -23,7 +28,7 @@ pub(crate) fn is_true_to_names(problem: &Problem<'_>, fit: &Fit) -> bool {
 }
 
 /// True if an effect of a fit, with its fitted values, acts as another effect does at these values.
-pub(crate) fn acts_as_another(problem: &Problem<'_>, fit: &Fit, fitted: &Term) -> bool {
+fn acts_as_another(problem: &Problem<'_>, fit: &Fit, fitted: &Term) -> bool {
     effects::of(fitted.kind.name).is_degenerate(&Fitted {
         term: fitted,
         device: problem.predictor(&fit.hypothesis, &fit.x).device(),
@@ -34,7 +39,7 @@ pub(crate) fn acts_as_another(problem: &Problem<'_>, fit: &Fit, fitted: &Term) -
 }
 
 /// True if an effect is not periodic, or the recording travels at least one of its periods.
-pub(crate) fn is_repeated(problem: &Problem<'_>, fitted: &Term) -> bool {
+fn is_repeated(problem: &Problem<'_>, fitted: &Term) -> bool {
     let effect = effects::of(fitted.kind.name);
     effect.too_few_periods(fitted, problem.extremes()).is_none()
 }
@@ -51,7 +56,7 @@ pub(crate) struct Implausible {
 
 impl Implausible {
     /// True if no effect of a fit has an implausible value.
-    pub(crate) fn has_none(problem: &Problem<'_>, fit: &Fit) -> bool {
+    fn has_none(problem: &Problem<'_>, fit: &Fit) -> bool {
         let mut places = 0..fit.hypothesis.terms.len();
         places.all(|place| Self::of(problem, fit, place).is_none())
     }

@@ -43,7 +43,6 @@ use rejection::Rejection;
 use std::time::Instant;
 use steps::{Closed, Step, closing_steps};
 use unit_factor::UnitFactor;
-use verdict::verdict;
 
 /// Options of a diagnosis.
 #[derive(Clone, Debug)]
@@ -137,8 +136,12 @@ impl<'a> SearchResult<'a> {
         let model_error = problem.modelling;
         let found = select::select(&problem, base, &given, progress);
         let searched = found.fit().clone();
+        // A gain of that size is implausible, so a set with it is never chosen.
+        let base = found.base();
+        let unit_factor = found
+            .best_sets()
+            .find_map(|fit| UnitFactor::in_fit(&problem, fit, base));
         let (problem, mut selection, closed) = chosen(problem, found, &given, progress);
-        let unit_factor = UnitFactor::in_fit(&problem, selection.fit(), selection.base());
         let (closed, implausible) = without_implausible(&problem, &mut selection, closed);
 
         let baseline = Baseline::of(&problem);
@@ -154,14 +157,15 @@ impl<'a> SearchResult<'a> {
             correction = Correction::none(&problem, &baseline);
         }
         let confounder = Confounder::of(&problem, &selection);
-        let verdict = verdict(&problem, &selection, &correction.gap, confounder);
+        let verdict = verdict::verdict(&problem, &selection, &correction.gap, confounder);
         let by_numbers = (selection.rounds.is_empty() && is_gap)
             .then(|| Correction::of_numbers(&problem, &selection, &baseline))
             .filter(|of_numbers| {
                 verdict == Verdict::NoGap
-                    || rejection.is_none() && of_numbers.stands_alone(&baseline.model_free)
+                    || rejection.is_none() && of_numbers.is_useful(&baseline.model_free)
             });
         correction = by_numbers.unwrap_or(correction);
+        let verdict = verdict::with_numbers(verdict, &correction.numbers, &correction.gap);
         let timing = timing::doubt(&problem, selection.fit());
         Self {
             problem,
@@ -325,14 +329,7 @@ fn chosen<'a>(
         return (problem, measured, closed);
     }
     let mut found = found;
-    let refined = select::refined(&found, &problem, given, progress);
     progress(Stage::Shrink);
-    if let Some((exact, mut refined)) = refined {
-        let closed = closing_steps(&exact, &mut refined);
-        if refined.rounds.len() > found.rounds.len() {
-            return (exact, refined, closed);
-        }
-    }
     let closed = closing_steps(&problem, &mut found);
     (problem, found, closed)
 }
@@ -501,10 +498,9 @@ impl Correction {
         }
     }
 
-    /// True if all parameters that moved are within their tolerances, and the model predicts better than no model does.
-    fn stands_alone(&self, model_free: &ModelFree) -> bool {
-        let are_within = self.numbers.iter().all(NumberFinding::is_within_tolerance);
-        are_within && Rejection::of(&self.after, model_free, self.lowest).is_none()
+    /// True if the model predicts better than no model does.
+    fn is_useful(&self, model_free: &ModelFree) -> bool {
+        Rejection::of(&self.after, model_free, self.lowest).is_none()
     }
 
     /// The reason to reject the correction, if any. An effect that two columns show needs no prediction.

@@ -5,7 +5,7 @@ use super::findings::PREDICTION;
 use crate::diagnosis::{Estimate, Finding, NumberFinding};
 use crate::effects;
 use crate::fit::Fit;
-use crate::fit::hypothesis::INPUT_TIME;
+use crate::fit::hypothesis::{INPUT_TIME, MOST_STATED_DEVIATIONS};
 use crate::fit::problem::Problem;
 use host_sim::effects::Quantity;
 use recording::Recording;
@@ -92,16 +92,14 @@ fn estimated(
     })
 }
 
-/// Deviation, in stated standard deviations, beyond which a moved parameter is reported as an effect.
-const BEYOND_TOLERANCE: f64 = 3.0;
-/// Confidence in such an effect. Another parameter or effect may be the cause.
+/// Confidence in a moved parameter that counts as an effect. Another parameter or effect may be the cause.
 const SURE_BEYOND_TOLERANCE: f64 = 0.45;
 
 impl NumberFinding {
     /// True if it moved within its stated tolerance, or has no stated value.
     pub(super) fn is_within_tolerance(&self) -> bool {
         let sigmas = self.sigmas;
-        self.stated.is_none() || sigmas.is_some_and(|sigmas| sigmas <= BEYOND_TOLERANCE)
+        self.stated.is_none() || sigmas.is_some_and(|sigmas| sigmas <= MOST_STATED_DEVIATIONS)
     }
 }
 

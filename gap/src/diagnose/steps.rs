@@ -1,26 +1,15 @@
-//! The shrink of the gap by each effect in turn on held-out windows, and the withdrawal of effects that close too little.
+//! The shrink of the gap by each effect in turn on held-out windows, and the withdrawal of effects that together explain nothing.
 
-use super::prior_tension::relieves_tension;
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Rival, Round, Selection};
-use crate::shrink::{resampled, shrink};
+use crate::shrink::shrink;
 
-/// Least share of the gap that a further effect must close, or of the gap that the effects before it leave.
+/// Share of the gap below which an effect closes little.
 const LEAST_SHRINK: f64 = 0.05;
-const LEAST_SHRINK_OF_REMAINING: f64 = 0.5;
-/// Share of the gap that the right effect may leave because of another formula. An effect that closes no more is not accepted.
-const FORMULATION: f64 = 0.02;
-/// Share of the robust excess that a further effect may close instead. It must also significantly close a part of the gap, or leave
-/// hardly any excess. A few windows with a wrong hidden state may hold most of the gap.
-const LEAST_TYPICAL_SHRINK: f64 = 0.2;
-
-/// Least share of the gap that a temporary effect must close, unless it closes all of it. It is found in few windows, which cannot be
-/// held out, and fits any error there.
-const LEAST_EPISODE_SHRINK: f64 = 0.25;
 
 /// Share of the gain of an effect that presliding must reach for the effect to count as another form of presliding.
 const NEARLY_ALL: f64 = 0.8;
@@ -31,15 +20,9 @@ const ITERATIONS_WITHOUT: usize = 8;
 /// Shrink by one effect, and by all effects up to it, each with its 95 % interval.
 pub(super) struct Step {
     pub own: [f64; 3],
-    /// Share of the gap that the effects before it leave.
-    share_of_remaining: f64,
     pub total: [f64; 3],
     /// True if the gap was at its floor without this effect.
     was_at_floor: bool,
-    /// True if the gap is at its floor with this effect.
-    is_at_floor: bool,
-    /// True if this effect significantly closes a part of the gap.
-    is_sure: bool,
 }
 
 impl Step {
@@ -58,7 +41,7 @@ impl Step {
         }
     }
 
-    /// True if the effect closes less than a further effect must.
+    /// True if the effect closes little of the gap.
     pub(super) fn is_small(&self) -> bool {
         self.own[0] < LEAST_SHRINK
     }
@@ -68,21 +51,6 @@ impl Step {
 fn without(problem: &Problem<'_>, selection: &Selection, place: usize) -> Fit {
     let (hypothesis, x) = selection.fit().without(selection.base() + place);
     problem.fit(&hypothesis, x, Part::All, ITERATIONS_WITHOUT)
-}
-
-/// The fit without the last effect, if that effect closes little and the others explain as much without it. In that case its gain came
-/// only from the additional iterations.
-fn without_redundant_last(
-    problem: &Problem<'_>,
-    selection: &Selection,
-    steps: &[Step],
-) -> Option<Fit> {
-    let further = selection.kept().max(1)..selection.rounds.len();
-    let last = further.last().filter(|&last| steps[last].is_small())?;
-    let all = selection.fit();
-    let others = without(problem, selection, last);
-    let enough = all.costs.level() + select::chance_gain(all);
-    (others.costs.level() <= enough).then_some(others)
 }
 
 /// True if the other effects close as much of the gap without the one at `place`.
@@ -105,7 +73,7 @@ pub(super) struct Closed {
     pub after: Vec<f64>,
 }
 
-/// The step of each effect of a selection, after effects that close too little were withdrawn.
+/// The step of each effect of a selection. If the effects together explain nothing, they are withdrawn.
 pub(super) fn closing_steps(problem: &Problem<'_>, selection: &mut Selection) -> Closed {
     let (steps, mut residuals) = steps_after_withdrawal(problem, selection);
     residuals.truncate(steps.len() + 1);
@@ -121,24 +89,8 @@ fn steps_after_withdrawal(
     if selection.rounds.len() > kept && selection.leaves_most(problem) {
         selection.withdraw(kept);
     }
-    let mut residuals = residuals_by_step(problem, selection);
+    let residuals = residuals_by_step(problem, selection);
     let mut steps = steps(problem, selection.fit(), &residuals);
-    while let Some(others) = without_redundant_last(problem, selection, &steps) {
-        selection.withdraw_last(others);
-        residuals = residuals_by_step(problem, selection);
-        steps = self::steps(problem, selection.fit(), &residuals);
-    }
-    while let Some(too_small) =
-        (kept..steps.len()).find(|&i| closes_too_little(problem, selection, i, &steps[i]))
-    {
-        selection.withdraw_one(problem, too_small);
-        if too_small < selection.rounds.len() {
-            residuals = residuals_by_step(problem, selection);
-        } else {
-            residuals.truncate(too_small + 1);
-        }
-        steps = self::steps(problem, selection.fit(), &residuals);
-    }
     if kept > 0 {
         return (steps, residuals);
     }
@@ -239,55 +191,12 @@ fn steps_to(floor: &[f64], residuals: &[Vec<f64>]) -> Vec<Step> {
     let steps = residuals
         .iter()
         .zip(&residuals[1..])
-        .map(|(before, after)| {
-            let share_of_remaining = shrink(before, after, floor, before)[0];
-            let was_at_floor = is_at_floor(before);
-            Step {
-                own: shrink(before, after, floor, nominal),
-                share_of_remaining: if was_at_floor {
-                    0.0
-                } else {
-                    share_of_remaining
-                },
-                total: shrink(nominal, after, floor, nominal),
-                was_at_floor,
-                is_at_floor: is_at_floor(after),
-                is_sure: resampled(before.len(), |sum| sum(before) - sum(after))[1] > 0.0,
-            }
+        .map(|(before, after)| Step {
+            own: shrink(before, after, floor, nominal),
+            total: shrink(nominal, after, floor, nominal),
+            was_at_floor: is_at_floor(before),
         });
     steps.collect()
-}
-
-/// True if the effect `i` closes too little of the gap, whatever it gains in robust cost. The first effect need not close any, unless it
-/// is temporary.
-fn closes_too_little(problem: &Problem<'_>, selection: &Selection, i: usize, step: &Step) -> bool {
-    let winner = &selection.rounds[i].rivals[0];
-    // An effect that contains another effect of the selection only changes the form of that one.
-    let mut others = selection.rounds.iter().map(|round| round.rivals[0].name);
-    if step.is_small() && others.any(|other| effects::of(winner.name).contains(other)) {
-        return true;
-    }
-    let is_temporary = effects::of(winner.name).episode().is_some();
-    if is_temporary && step.own[0] < LEAST_EPISODE_SHRINK && !step.is_at_floor {
-        // The effects after a temporary one may close most of the gap that it leaves.
-        return additional_shrink(problem, selection, i) < LEAST_EPISODE_SHRINK;
-    }
-    if i == 0 || !step.is_small() {
-        return false;
-    }
-    let [before, after] = [i - 1, i].map(|k| selection.left(&selection.rounds[k].so_far));
-    let is_real = step.is_sure || after <= select::MOST_LEFT_EXPLAINED;
-    // A gap at its floor cannot be closed further.
-    let in_most_windows = !step.was_at_floor && before - after >= LEAST_TYPICAL_SHRINK && is_real;
-    // A restart at a jump leaves a residual even for an exact model. That window may hold most of the remaining gap.
-    let halves = after <= (1.0 - LEAST_SHRINK_OF_REMAINING) * before;
-    let is_jump = winner.is_event() && !is_temporary;
-    let is_jump = is_jump && (step.is_at_floor || halves);
-    let closes_the_rest =
-        step.own[0] >= FORMULATION && step.share_of_remaining >= LEAST_SHRINK_OF_REMAINING;
-    // An effect may relieve model parameters of an unlikely deviation, but it must not enlarge the gap.
-    let relieves = step.own[0] > -LEAST_SHRINK && relieves_tension(&selection.rounds[i]);
-    !closes_the_rest && !in_most_windows && !is_jump && !relieves
 }
 
 /// True if the effects do not shrink the gap. Also true if they do not significantly shrink it and leave most of the excess, or if there
@@ -313,17 +222,14 @@ mod tests {
     const FLOOR: [f64; 20] = [1.0; 20];
 
     #[test]
-    fn a_step_states_whether_it_begins_and_ends_at_the_floor() {
+    fn a_step_states_whether_it_begins_at_the_floor() {
         let places = |residuals: [f64; 3]| {
             let residuals = residuals.map(|squares| vec![squares; FLOOR.len()]);
             let steps = steps_to(&FLOOR, &residuals);
-            steps
-                .iter()
-                .map(|s| (s.was_at_floor, s.is_at_floor))
-                .collect::<Vec<_>>()
+            steps.iter().map(|s| s.was_at_floor).collect::<Vec<_>>()
         };
-        assert_eq!(places([9.0, 4.0, 1.2]), [(false, false), (false, true)]);
-        assert_eq!(places([1.3, 1.0, 1.0]), [(true, true), (true, true)]);
+        assert_eq!(places([9.0, 4.0, 1.2]), [false, false]);
+        assert_eq!(places([1.3, 1.0, 1.0]), [true, true]);
     }
 
     #[test]
@@ -358,20 +264,13 @@ mod tests {
     }
 
     #[test]
-    fn the_shares_of_steps_add_up_and_the_remaining_share_is_zero_at_the_floor() {
+    fn the_shares_of_steps_add_up() {
         let residuals = [25.0, 9.0, 1.0, 0.9].map(|squares| vec![squares; FLOOR.len()]);
         let steps = steps_to(&FLOOR, &residuals);
         let own: Vec<f64> = steps.iter().map(|step| step.own[0]).collect();
         assert_eq!(own, [0.5, 0.5, 0.0]);
         assert_eq!(steps[2].total[0], 1.0);
-        assert_eq!(
-            steps
-                .iter()
-                .map(|s| s.share_of_remaining)
-                .collect::<Vec<_>>(),
-            [0.5, 1.0, 0.0]
-        );
-        assert!(steps[1].is_sure && steps[2].is_small());
+        assert!(!steps[1].is_small() && steps[2].is_small());
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The verdict: whether a gap exists, and whether the findings explain it.
 
 use super::confounder::Confounder;
-use crate::diagnosis::{Closing, Verdict};
+use crate::diagnosis::{Closing, NumberFinding, Verdict};
 use crate::fit::problem::Problem;
 use crate::floor::FLOOR_DOUBT;
 use crate::select::{self, Selection};
@@ -35,6 +35,23 @@ pub(super) fn verdict(
         && selection.missing(problem, selection.fit()) <= most_missing
         && doubt.is_none();
     if is_explained {
+        Verdict::Explained
+    } else {
+        Verdict::PartlyExplained
+    }
+}
+
+/// The verdict on a model without effects whose parameters moved, from its `verdict` without them. A parameter that moved beyond its
+/// tolerance counts as an effect.
+pub(super) fn with_numbers(
+    verdict: Verdict,
+    numbers: &[NumberFinding],
+    closing: &Closing,
+) -> Verdict {
+    let are_within = numbers.iter().all(NumberFinding::is_within_tolerance);
+    if verdict != Verdict::Unexplained || are_within {
+        verdict
+    } else if closing.after <= FLOOR_DOUBT * closing.floor {
         Verdict::Explained
     } else {
         Verdict::PartlyExplained

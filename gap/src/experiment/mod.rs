@@ -288,6 +288,7 @@ mod tests {
             has_no_gap,
             is_unambiguous: false,
             given: false,
+            proposed: Vec::new(),
             null,
             expected,
             rounds,

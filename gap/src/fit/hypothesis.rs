@@ -24,7 +24,22 @@ pub(crate) struct PriorParameter {
 /// Name of the delay between input and position among the prior parameters.
 pub(crate) const INPUT_TIME: &str = "input_time";
 
+/// Deviation beyond which a parameter with a stated tolerance counts as an effect, in standard deviations.
+pub(crate) const MOST_STATED_DEVIATIONS: f64 = 3.0;
+/// The same for a parameter whose tolerance is not stated.
+const MOST_USUAL_DEVIATIONS: f64 = 1.0;
+
 impl PriorParameter {
+    /// True if a deviation from the stated value, in standard deviations, is so large that it counts as an effect.
+    pub(crate) fn counts_as_effect(&self, deviations: f64) -> bool {
+        let most = if self.is_stated {
+            MOST_STATED_DEVIATIONS
+        } else {
+            MOST_USUAL_DEVIATIONS
+        };
+        deviations.abs() > most
+    }
+
     /// The value of the parameter at a number of standard deviations from the stated one. Increases are exponential and decreases linear,
     /// since the tolerance may be relative to the nominal value or to the true one. The sign never changes.
     pub(crate) fn at(&self, deviations: f64) -> f64 {

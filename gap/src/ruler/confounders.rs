@@ -44,7 +44,12 @@ pub(super) fn of(search: &Search<'_>, set: &Fit, kept: usize) -> Vec<Start> {
             let iterations = SHORT_ITERATIONS;
             search.problem.fit(&hypothesis, x, Part::All, iterations)
         });
-        fits.min_by(|a, b| a.costs.level().total_cmp(&b.costs.level()))
+        let best = fits.min_by(|a, b| a.costs.level().total_cmp(&b.costs.level()))?;
+        Some(crate::select::episode_search::completed(
+            search.problem,
+            &search.expected,
+            best,
+        ))
     });
     let fits: Vec<Fit> = fits.collect();
     let new = fits

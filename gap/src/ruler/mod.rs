@@ -4,8 +4,8 @@
 //! scale, which is estimated from the residual of the best set. The simplest set within one standard error of the lowest cost is chosen.
 //! Its effects are ordered by the share of the gap that each closes.
 //!
-//! There are three sources of sets. One is the search with the model parameters near their stated values. Another is the missing torque.
-//! The third is a search that begins with all main parameters estimated again.
+//! There are three sources of sets: the search with the model parameters near their stated values, the missing torque, and all main
+//! parameters estimated again.
 
 mod agreement;
 mod confounders;
@@ -24,7 +24,7 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::ExpectedLoss;
-use crate::select::{self, Given, Search, Selection};
+use crate::select::{Given, Search, Selection, next_effect};
 use crate::stage::Stage;
 use pool::{Pool, ScoredPool};
 use scored::Scored;
@@ -33,24 +33,23 @@ use scored::Scored;
 const MOST_EXCHANGED: usize = 3;
 
 /// Compares the effects that a search `found` with all sets that it fitted and with further sets. Returns `None` if the found effects
-/// explain everything, if one of them was known before the search, or if there is no gap.
+/// explain everything, or if there is no gap.
 pub(crate) fn measured<'a>(
     problem: &Problem<'a>,
     found: &Selection,
     given: &Given<'_>,
     progress: fn(Stage),
 ) -> Option<(Problem<'a>, Selection)> {
-    let is_explained = !found.rounds.is_empty() && found.suffices(problem, found.fit());
-    if found.has_no_gap || found.given || is_explained {
+    if found.has_no_gap || found.is_explained(problem) {
         return None;
     }
     progress(Stage::Finalists);
-    let freed = numbers::freed(problem);
+    let freed = numbers::freed(problem, &given.excluded);
     let free = problem.off_by(problem.modelling).with_numbers(&freed);
     let mut pool = Pool::of_search(found, problem.priors.len(), freed.len());
     let scale = on_all_numbers(problem, &free, &mut pool, found, given, progress);
     let (free, pool) = pool.scored_at_own_scale(free.off_by(scale));
-    let kept = found.null.hypothesis.terms.len();
+    let kept = found.known().hypothesis.terms.len();
     let search = Search {
         problem: &free,
         given,
@@ -91,33 +90,36 @@ fn on_all_numbers(
 ) -> f64 {
     let start = pool.null();
     let null = free.fit(&start.hypothesis, start.x, Part::All, 0);
-    let search = |problem, expected| Search {
-        problem,
+    let search = Search {
+        problem: free,
         given,
         progress,
-        expected,
+        expected: found.expected,
     };
-    pool.extend(proposed::proposed(&search(free, found.expected), &null));
+    pool.extend(proposed::proposed(&search, &null));
     let mut restating = numbers::restating(free.recording);
     let terms = &null.hypothesis.terms;
     restating.retain(|effect| terms.iter().all(|term| term.kind.name != effect.name()));
-    let Some((numbers, scale)) =
-        with_numbers_estimated(&search(free, found.expected), &null, &restating)
-    else {
+    let Some((numbers, scale)) = with_numbers_estimated(&search, &null, &restating) else {
         return free.modelling;
     };
     pool.add(&numbers);
     // If the residual with the found effects is smaller than with all main parameters, wrong parameters are not the main cause.
     let left = |problem: &Problem<'_>, fit| problem.rms(&problem.window_squares(fit, Part::All));
-    if left(free, &numbers) >= left(stated, found.fit()) {
+    if left(free, &numbers) >= left(stated, found.best()) {
         return scale;
     }
     let scaled = free.off_by(scale);
-    let expected = ExpectedLoss::of(&scaled, &numbers).bounded();
-    if let Some(round) = select::next_effect(&search(&scaled, expected), &numbers, &[], 0.0) {
-        for rival in &round.rivals {
-            pool.add(&rival.fit);
-        }
+    let search = Search {
+        expected: ExpectedLoss::of(&scaled, &numbers).bounded(),
+        problem: &scaled,
+        ..search
+    };
+    for rival in next_effect(&search, &numbers)
+        .iter()
+        .flat_map(|round| &round.rivals)
+    {
+        pool.add(&rival.fit);
     }
     scale
 }

@@ -11,10 +11,12 @@ use host_sim::effects::Quantity;
 use recording::Recording;
 
 /// Returns the model parameters that may deviate from their stated values: those with a stated tolerance, and main parameters without one.
-/// The latter have the typical error of such a parameter as their standard deviation.
-pub(super) fn freed(problem: &Problem<'_>) -> Vec<PriorParameter> {
+/// The latter have the typical error of such a parameter as their standard deviation. They are not among them if the effect that replaces
+/// them is `excluded`.
+pub(super) fn freed(problem: &Problem<'_>, excluded: &[&str]) -> Vec<PriorParameter> {
     let mut all = problem.priors.clone();
-    for number in effects::all().filter_map(Identification::main_number) {
+    let effects = effects::all().filter(|effect| !excluded.contains(&effect.name()));
+    for number in effects.filter_map(Identification::main_number) {
         let is_there = all.iter().any(|other| other.name == number.name);
         let value = problem.recording.model.get(number.name).unwrap_or(0.0);
         if let Some(relative) = number.usual_error

@@ -8,12 +8,12 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::objective::Objective;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
-use crate::plausible::Implausible;
+use crate::plausible::is_plausible;
 use crate::select::Selection;
 use rayon::prelude::*;
 
 /// Number of sets that are scored on held-out windows: those of the lowest cost after a short fit.
-const MOST_SCORED: usize = 8;
+const MOST_SCORED: usize = 12;
 /// Number of sets of which simpler forms are tried.
 const MOST_SIMPLIFIED: usize = 3;
 /// Number of iterations of a short fit.
@@ -43,12 +43,15 @@ impl Pool {
                 x,
             }
         };
-        let rounds = found.rounds.iter().chain(&found.last);
+        let rounds = found.rounds[found.kept()..].iter().chain(&found.last);
         let rivals = rounds.flat_map(|round| {
             let rivals = round.rivals.iter().map(|rival| &rival.fit);
             core::iter::once(&round.so_far).chain(rivals)
         });
-        let starts = core::iter::once(&found.null).chain(rivals);
+        let proposed = found.proposed.iter().map(|rival| &rival.fit);
+        let starts = core::iter::once(found.known())
+            .chain(rivals)
+            .chain(proposed);
         Self {
             starts: starts.map(widened).collect(),
         }
@@ -105,7 +108,7 @@ fn shortlist(problem: &Problem<'_>, starts: Vec<Start>) -> Vec<Start> {
     let mut room = Room::of(MOST_SCORED);
     for (_, fit) in fits {
         let is_new = kept.iter().all(|other| names(other) != names(&fit));
-        if is_new && room.takes(Implausible::has_none(problem, &fit)) {
+        if is_new && room.takes(is_plausible(problem, &fit)) {
             kept.push(fit);
         }
     }

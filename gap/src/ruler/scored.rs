@@ -5,13 +5,9 @@ use crate::fit::hypothesis::Hypothesis;
 use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
-use crate::plausible::{Implausible, is_true_to_names};
+use crate::plausible::is_plausible;
 
 const ITERATIONS: usize = 5;
-/// Deviation from its stated value up to which a model parameter without a stated tolerance does not count as an effect, in standard
-/// deviations.
-const USUAL: f64 = 1.0;
-
 /// A set of effects, fitted jointly.
 #[derive(Clone, Debug)]
 pub(super) struct Scored {
@@ -21,7 +17,7 @@ pub(super) struct Scored {
     pub unseen: Vec<f64>,
     /// Sum of squared residuals of each window under the same fit, in position units squared.
     pub squares: Vec<f64>,
-    /// Number of model parameters without a stated tolerance that deviate more than the typical error of such a parameter.
+    /// Number of model parameters that deviate so far that they count as effects.
     pub moved: usize,
     /// True if no effect has an implausible parameter value, and each acts as its name says.
     pub is_plausible: bool,
@@ -40,10 +36,10 @@ impl Scored {
         });
         let squares = Problem::held_out_by(&halves, |fit, half| problem.window_squares(fit, half));
         let moves = problem.priors.iter().zip(fit.moves());
-        let moved = moves.filter(|(number, z)| !number.is_stated && z.abs() > USUAL);
+        let moved = moves.filter(|(number, z)| number.counts_as_effect(**z));
         Self {
             moved: moved.count(),
-            is_plausible: Implausible::has_none(problem, &fit) && is_true_to_names(problem, &fit),
+            is_plausible: is_plausible(problem, &fit),
             fit,
             unseen: unseen.into_iter().map(f64::ln_1p).collect(),
             squares,

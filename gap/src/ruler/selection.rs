@@ -6,9 +6,13 @@ use super::pool::ScoredPool;
 use super::scored::{Scored, is_within_error};
 use crate::effects;
 use crate::fit::Fit;
+use crate::fit::part::Part;
 use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, mean_and_error};
 use crate::select::{Acceptance, Measured, Rival, Round, Selection};
+
+/// Number of iterations of the fit without an effect that was known before the search.
+const GIVEN_ITERATIONS: usize = 5;
 
 /// Returns the selection with the effects of `set`, ordered by the share of the gap that each closes. Each effect has a round beside all
 /// others of the set. Its rivals are the sets of `pool` that have another effect in its place.
@@ -18,10 +22,12 @@ pub(super) fn of(
     set: &Scored,
     pool: &ScoredPool,
 ) -> Selection {
-    let null = pool.null.fit.clone();
-    let kept = null.hypothesis.terms.len();
+    let known = &pool.null.fit;
+    let kept = known.hypothesis.terms.len();
     let order = order(problem, set, kept);
-    let rounds = order.iter().enumerate().map(|(rank, &place)| {
+    let given = found.given.then(|| given(problem, &found.rounds[0], known));
+    let null = given.as_ref().map_or(known, |round| &round.known).clone();
+    let found_by_search = order.iter().enumerate().map(|(rank, &place)| {
         let taken = &order[..=rank];
         let so_far = subset_fit(problem, &set.fit, kept, |p| taken.contains(&p));
         let so_far = in_order(&so_far, kept, |fit, at| {
@@ -29,17 +35,28 @@ pub(super) fn of(
         });
         round(problem, set, pool, kept + place, so_far, found)
     });
-    let rounds: Vec<Round> = rounds.collect();
-    let last = beyond(set, pool);
+    let found_by_search: Vec<Round> = found_by_search.collect();
     Selection {
         expected: ExpectedLoss::of(problem, &null).bounded(),
         null,
         has_no_gap: false,
         is_unambiguous: true,
-        given: false,
-        rounds,
-        last,
+        given: found.given,
+        rounds: given.into_iter().chain(found_by_search).collect(),
+        last: beyond(set, pool),
+        proposed: Vec::new(),
     }
+}
+
+/// Returns the round of an effect that was known before the search, with the fit `known` that contains it as its last term.
+fn given(problem: &Problem<'_>, round: &Round, known: &Fit) -> Round {
+    let (hypothesis, x) = known.without(known.hypothesis.terms.len() - 1);
+    let mut round = round.clone();
+    round.known = problem.fit(&hypothesis, x, Part::All, GIVEN_ITERATIONS);
+    round.so_far = known.clone();
+    round.rivals.truncate(1);
+    round.rivals[0].fit = known.clone();
+    round
 }
 
 /// Returns the rank, within the whole set, of the effect at a place of a fit.
@@ -122,10 +139,7 @@ fn round(
     });
     let rivals: Vec<Rival> = core::iter::once(winner).chain(swapped).collect();
     let is_event = rivals[0].is_event();
-    let is_agreed = found
-        .rounds
-        .iter()
-        .any(|round| round.rivals[0].name == name);
+    let is_agreed = found.names_best(name);
     let confidence = confidence(
         agreement::share(&pool.sets, name),
         is_agreed && ties.is_empty(),

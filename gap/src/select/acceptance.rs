@@ -12,11 +12,6 @@ use crate::floor::{ExpectedLoss, mean_and_error};
 /// Least gain on held-out windows, in its standard errors. With thirty rivals the best of them exceeds it by chance in about 1 % of the
 /// searches.
 const LEAST_SIGNIFICANCE: f64 = 3.3;
-/// Share of the excess of the model without the effect above which a gain is large. A large gain is hardly chance, however few the windows
-/// are.
-const LARGE_SHARE: f64 = 0.2;
-/// Least gain on held-out windows, in its standard errors, if the gain is large.
-const LARGE_SIGNIFICANCE: f64 = 2.0;
 /// Least gain as a share of the excess of the model without the effect.
 const LEAST_SHARE: f64 = 0.1;
 /// Least gain in robust cost per window. The uncertainty of the sensor noise has an effect of the same size.
@@ -59,14 +54,8 @@ pub(super) fn assessed(
     let gain = mean + (known.costs.prior - winner.fit.costs.prior) / gains.len() as f64;
     let significance = gain / error.max(f64::MIN_POSITIVE);
     let excess = (without.unseen.level() - expected.level).max(0.0);
-    let least = if gain > LARGE_SHARE * excess {
-        LARGE_SIGNIFICANCE
-    } else {
-        LEAST_SIGNIFICANCE
-    };
-    let by_unseen = (harmless(&gains) || significance > least)
-        && gain > LEAST_GAIN.max(LEAST_SHARE * excess)
-        && no_worse_at_a_quarter(problem, known, &winner.fit);
+    let by_unseen = (harmless(&gains) || significance > LEAST_SIGNIFICANCE)
+        && gain > LEAST_GAIN.max(LEAST_SHARE * excess);
     let seen = winner.fit.costs.gains(&known.costs);
     // If the model without the effect is adequate, only an effect that shows in a few windows is accepted.
     let is_missing = known.is_strained() || !is_adequate(known, expected);
@@ -137,34 +126,5 @@ impl HeldOut {
         gains
             .map(|(w, gain)| if foretold(w) { gain } else { gain.min(0.0) })
             .collect()
-    }
-}
-
-/// Returns true if a fit is no worse with restarts four times as often. A model without motion can have a low cost on slow motion over the
-/// whole horizon. Its cost is higher with more restarts.
-fn no_worse_at_a_quarter(problem: &Problem<'_>, known: &Fit, fit: &Fit) -> bool {
-    problem.quarter.as_ref().is_none_or(|quarter| {
-        let costs = |fit: &Fit| quarter.costs(&fit.hypothesis, &fit.x, Part::All);
-        !is_surely_worse(&costs(fit).gains(&costs(known)))
-    })
-}
-
-/// Returns true if the loss is larger than chance and than the effect of the uncertainty of the noise.
-fn is_surely_worse(gains: &[f64]) -> bool {
-    let (mean, error) = mean_and_error(gains);
-    mean < -LEAST_GAIN.max(LARGE_SIGNIFICANCE * error)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_loss_within_chance_is_not_significantly_worse() {
-        let chance_gain = [-0.5, 0.3, -0.2, 0.2, -0.3, 0.1, -0.4, 0.4];
-        assert!(!is_surely_worse(&chance_gain));
-        assert!(is_surely_worse(&chance_gain.map(|gain| gain - 0.4)));
-        let [little, more] = [0.5, 2.0].map(|f| [-f * LEAST_GAIN; 8]);
-        assert!(!is_surely_worse(&little) && is_surely_worse(&more));
     }
 }

@@ -7,11 +7,10 @@ use super::search::{FITTING_ITERATIONS, POLISHING_ITERATIONS, Search};
 use crate::effects;
 use crate::fit::Fit;
 use crate::fit::part::Part;
-use crate::fit::problem::Problem;
-use crate::plausible::{acts_as_another, is_repeated};
+use crate::plausible::is_true_to_names;
 
-/// Returns true if the last effect of a fit does not act as its name says. If the model is not adequate, a temporary effect must end, and
-/// its strength must be significant.
+/// Returns true if the last effect of a fit does not act as its name says, such as a ripple of which less than one period was travelled. If
+/// the model is not adequate, a temporary effect must end, and its strength must be significant.
 pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
     let Some(last) = fit.last_term() else {
         return false;
@@ -21,7 +20,7 @@ pub(super) fn is_degenerate(search: &Search<'_>, fit: &Fit) -> bool {
         return !episode_search::is_there(fit)
             || episode_search::is_lasting(search.problem, fit, FITTING_ITERATIONS);
     }
-    acts_as_another(search.problem, fit, &last)
+    !is_true_to_names(search.problem, fit)
 }
 
 /// Returns true if a special case of the last effect is excluded from the search and explains nearly as much.
@@ -42,12 +41,6 @@ pub(super) fn is_excluded(search: &Search<'_>, known: &Fit, fit: &Fit) -> bool {
             .fit(&hypothesis, x, Part::All, POLISHING_ITERATIONS);
         level(&reduced) <= enough(known, fit)
     })
-}
-
-/// Returns false if the last effect of a fit is a ripple of which less than one period was travelled. A spring may explain as much.
-pub(super) fn repeats(problem: &Problem<'_>, fit: &Fit) -> bool {
-    fit.last_term()
-        .is_none_or(|last| is_repeated(problem, &last))
 }
 
 #[cfg(test)]
@@ -115,5 +108,18 @@ mod tests {
     fn play_that_is_no_more_than_a_twist_is_none() {
         assert!(is_twist("compliance:stiffness=2.0,damping=0.005"));
         assert!(!is_twist("backlash:play=0.02"));
+    }
+
+    #[test]
+    fn a_ripple_of_less_than_one_period_is_no_ripple() {
+        let recording = made::recording(&[]);
+        let is_degenerate = |wave_number: f64| {
+            let mut ripple = made::term("cogging", &[]);
+            ripple.values[..2].copy_from_slice(&[0.01, wave_number]);
+            on(&recording, |search, null| {
+                is_degenerate(search, &given_effect(search, null, &ripple).so_far)
+            })
+        };
+        assert_eq!([0.15, 20.0].map(is_degenerate), [true, false]);
     }
 }

@@ -2,6 +2,7 @@
 
 use super::acceptance::stands_out;
 use super::excess::level;
+use super::search::FITTING_ITERATIONS;
 use crate::effects::{self, Episode, episode};
 use crate::fit::Fit;
 use crate::fit::part::Part;
@@ -24,7 +25,7 @@ const SURE_ERRORS: f64 = 2.0;
 
 /// Returns the fit with the last effect in its best form. It has as many occurrences as each gain significantly. `known` is the fit without
 /// the effect.
-pub(super) fn found(
+fn found(
     problem: &Problem<'_>,
     expected: &ExpectedLoss,
     known: &Fit,
@@ -54,6 +55,17 @@ pub(super) fn found(
         best = more;
     }
     best
+}
+
+/// Returns a fit with its last effect in its best form if that effect is temporary, and the fit itself otherwise.
+pub(crate) fn completed(problem: &Problem<'_>, expected: &ExpectedLoss, fit: Fit) -> Fit {
+    let is_temporary = fit.last_term().is_some_and(|last| kind(&last).is_some());
+    if !is_temporary {
+        return fit;
+    }
+    let (hypothesis, x) = fit.without(fit.hypothesis.terms.len() - 1);
+    let known = problem.fit(&hypothesis, x, Part::All, 0);
+    found(problem, expected, &known, &fit, FITTING_ITERATIONS)
 }
 
 /// Returns the fit with one more occurrence of the last effect: the one of lowest cost.

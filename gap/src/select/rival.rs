@@ -39,16 +39,6 @@ impl Rival {
         self.starting_with(term)
     }
 
-    /// Returns the rival with its last effect starting at `by` times its magnitude. Returns `None` unless the magnitude is its only free
-    /// parameter.
-    pub(super) fn sized(&self, by: f64) -> Option<Self> {
-        let term = self.fit.last_term()?;
-        let [size] = term.free[..] else {
-            return None;
-        };
-        self.starting_with(term.starting_at(&[(size.parameter, by * size.start)]))
-    }
-
     /// Returns the rival with one parameter of its last effect fixed at a value. Returns `None` if that parameter is not free.
     pub(super) fn with_held(&self, parameter: usize, value: f64) -> Option<Self> {
         let last = self.fit.last_term()?;
@@ -82,21 +72,6 @@ pub(super) fn extended<'a>(
     (hypothesis, x)
 }
 
-/// Returns a rival of two effects with their order exchanged.
-pub(super) fn turned(both: &Rival) -> Option<Rival> {
-    let mut fit = both.fit.clone();
-    let priors = fit.x.len().checked_sub(fit.hypothesis.free())?;
-    let [first, _] = &fit.hypothesis.terms[..] else {
-        return None;
-    };
-    let split = first.free.len();
-    let name = first.kind.name;
-    fit.hypothesis.terms.swap(0, 1);
-    fit.x[priors..].rotate_left(split);
-    fit.std[priors..].rotate_left(split);
-    Some(Rival { name, fit })
-}
-
 /// Returns the rival of lowest cost.
 pub(super) fn best_of(rivals: &[Rival]) -> Option<&Rival> {
     rivals
@@ -125,58 +100,6 @@ mod tests {
             },
         };
         Rival { name, fit }
-    }
-
-    /// First parameter of the last effect of a rival.
-    fn value(rival: &Rival) -> f64 {
-        rival.fit.last_term().unwrap().values[0]
-    }
-
-    #[test]
-    fn a_rival_is_restarted_at_a_multiple_of_its_fitted_size() {
-        let coordinate = |scale| Coordinate {
-            parameter: 0,
-            start: -0.02,
-            scale,
-        };
-        for scale in [Scale::Linear(0.03), Scale::Log] {
-            let found = rival("torque_offset", &[coordinate(scale)], &[0.3]);
-            let half = found.sized(0.5).unwrap();
-            assert!((value(&half) - 0.5 * value(&found)).abs() < 1e-12);
-            assert_eq!(half.fit.x, [0.0]);
-        }
-    }
-
-    #[test]
-    fn swapping_two_effects_swaps_their_coordinates_and_keeps_those_of_the_model() {
-        let free = |parameter| Coordinate {
-            parameter,
-            start: 0.01,
-            scale: Scale::Log,
-        };
-        let mut both = rival("viscous", &[free(0)], &[0.5, 1.0, 2.0, 3.0]);
-        let second = made::term("asymmetric_coulomb", &[free(0), free(1)]);
-        both.fit.hypothesis.terms.push(second);
-        let turned = turned(&both).unwrap();
-        assert_eq!(turned.name, "viscous");
-        assert_eq!(
-            turned.fit.hypothesis.terms[0].kind.name,
-            "asymmetric_coulomb"
-        );
-        assert_eq!(turned.fit.x, [0.5, 2.0, 3.0, 1.0]);
-        let back = super::turned(&turned).unwrap();
-        assert_eq!(back.fit.x, both.fit.x);
-    }
-
-    #[test]
-    fn an_effect_with_two_free_parameters_has_no_single_size() {
-        let both = [0, 1].map(|parameter| Coordinate {
-            parameter,
-            start: 0.01,
-            scale: Scale::Log,
-        });
-        let found = rival("asymmetric_coulomb", &both, &[0.0, 0.0]);
-        assert!(found.sized(0.5).is_none());
     }
 
     #[test]

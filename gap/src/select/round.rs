@@ -1,7 +1,6 @@
 //! A round of the search adds one effect to the model so far, and compares it with its rivals.
 
 use super::acceptance::Acceptance;
-use super::excess::level;
 use super::rival::Rival;
 use super::search::FITTING_ITERATIONS;
 use crate::fit::Fit;
@@ -35,11 +34,6 @@ pub(crate) struct Measured {
 }
 
 impl Round {
-    /// Returns true if a fit has a lower cost than the winner.
-    pub(super) fn leaves_more_than(&self, fit: &Fit) -> bool {
-        level(fit) < level(&self.rivals[0].fit)
-    }
-
     /// Returns the round fitted again on top of `known` after the effect at `place` was withdrawn.
     pub(super) fn without(&self, problem: &Problem<'_>, place: usize, known: Fit) -> Self {
         let (hypothesis, x) = self.so_far.without(place);

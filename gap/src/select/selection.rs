@@ -1,21 +1,15 @@
 //! The result of a search is a selection: the effects that were found, and the share of the excess that remains with them.
 
-use super::degenerate::repeats;
 use super::excess::{
-    ADEQUATE_EXCESS, ADEQUATE_GAP, MOST_LEFT, MOST_LEFT_EXPLAINED, PLAIN_GAP, is_adequate,
-    is_at_floor, level,
+    ADEQUATE_EXCESS, ADEQUATE_GAP, MOST_LEFT, MOST_LEFT_EXPLAINED, is_adequate, is_at_floor, level,
 };
+use super::rival::Rival;
 use super::round::Round;
 use crate::effects::{self, Landscape};
 use crate::fit::Fit;
 use crate::fit::problem::Problem;
 use crate::floor::{ExpectedLoss, FLOOR_DOUBT};
 use crate::term::Term;
-
-/// Largest number of effects in a selection.
-const MOST_EFFECTS: usize = 3;
-/// Largest share of the excess of the null that may remain with the effects if a further effect is searched.
-const HOPELESS: f64 = 0.75;
 
 /// The null, which is the fit of the model without effects, and a round for each effect.
 #[derive(Clone, Debug)]
@@ -34,6 +28,8 @@ pub(crate) struct Selection {
     pub rounds: Vec<Round>,
     /// The round whose effect was not accepted or was withdrawn.
     pub last: Option<Round>,
+    /// Pairs of effects that are worth a comparison, best first.
+    pub proposed: Vec<Rival>,
 }
 
 impl Selection {
@@ -42,11 +38,46 @@ impl Selection {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
-    /// Returns the name of a ripple among the effects of which less than one period was travelled, if there is one.
-    pub(super) fn unrepeated(&self, problem: &Problem<'_>) -> Option<&'static str> {
-        let mut winners = self.rounds.iter().map(|round| &round.rivals[0]);
-        let unrepeated = winners.find(|winner| !repeats(problem, &winner.fit));
-        unrepeated.map(|winner| winner.name)
+    /// Returns the fit of the best pair, or of the best effect alone if its cost is lower.
+    pub(crate) fn best(&self) -> &Fit {
+        let pair = self.proposed.first().map(|pair| &pair.fit);
+        pair.filter(|pair| level(pair) < level(self.fit()))
+            .unwrap_or_else(|| self.fit())
+    }
+
+    /// Returns the fits of pairs, and of effects alone, whose cost is not above that of the best effect alone.
+    pub(crate) fn best_sets(&self) -> impl Iterator<Item = &Fit> {
+        let alone = self.rounds.iter().flat_map(|round| &round.rivals);
+        let most = level(self.fit());
+        let fits = self.proposed.iter().chain(alone).map(|rival| &rival.fit);
+        fits.filter(move |fit| level(fit) <= most)
+    }
+
+    /// Returns the fit without the effects that were searched.
+    pub(crate) fn known(&self) -> &Fit {
+        if self.given {
+            &self.rounds[0].so_far
+        } else {
+            &self.null
+        }
+    }
+
+    /// Returns true if the best effect alone, or one of the best pair, has this name.
+    pub(crate) fn names_best(&self, name: &str) -> bool {
+        let alone = self.rounds.iter().map(|round| &round.rivals[0]);
+        let mut best = alone.chain(self.proposed.first());
+        best.any(|rival| rival.fit.hypothesis.names().contains(&name))
+    }
+
+    /// Returns true if the last effect was accepted and leaves nothing to explain.
+    pub(crate) fn is_explained(&self, problem: &Problem<'_>) -> bool {
+        let last = self.rounds.last();
+        last.is_some_and(|round| self.is_explained_by(problem, round))
+    }
+
+    /// Returns true if the effect of a round was accepted and leaves nothing to explain.
+    pub(super) fn is_explained_by(&self, problem: &Problem<'_>, round: &Round) -> bool {
+        round.acceptance.accepted && self.suffices(problem, &round.so_far)
     }
 
     /// Returns true if its sets of effects were compared at an error scale that was estimated for them. The cost at that scale does not
@@ -70,51 +101,9 @@ impl Selection {
         usize::from(self.given)
     }
 
-    /// Adds a round if its effect was accepted. Otherwise the round ends the search.
-    pub(super) fn add(&mut self, round: Round) {
-        if round.acceptance.accepted {
-            self.rounds.push(round);
-        } else {
-            self.last = Some(round);
-        }
-    }
-
-    /// Returns this selection with further rounds.
-    pub(super) fn with(&self, rounds: Vec<Round>) -> Self {
-        let mut more = self.clone();
-        for round in rounds {
-            more.add(round);
-        }
-        more
-    }
-
-    /// Returns true if a further effect is to be searched.
-    pub(super) fn goes_on(&self, problem: &Problem<'_>) -> bool {
-        let fit = self.fit();
-        let hopeless = !self.given && self.is_hopeless(fit);
-        let possible = self.last.is_none() && !hopeless;
-        possible
-            && match self.rounds.len() {
-                // The second of two effects may be small beside the first.
-                1 => true,
-                2..MOST_EFFECTS => {
-                    !self.leaves_little(fit) || problem.gap_over_floor(fit) > PLAIN_GAP
-                }
-                _ => false,
-            }
-    }
-
     /// Withdraws the rounds from the index `from`. The first of them becomes the round that was not accepted.
     pub(crate) fn withdraw(&mut self, from: usize) {
         self.last = self.rounds.drain(from..).next();
-    }
-
-    /// Withdraws the last effect. `others` is the fit without it.
-    pub(crate) fn withdraw_last(&mut self, others: Fit) {
-        self.last = self.rounds.pop();
-        if let Some(round) = self.rounds.last_mut() {
-            round.so_far = others;
-        }
     }
 
     /// Withdraws one effect. The rounds after it are fitted again without it.
@@ -166,14 +155,8 @@ impl Selection {
         self.null.is_likely() && problem.gap_over_floor(&self.null) <= floors
     }
 
-    /// Returns true if so much of the excess remains with a fit that a further effect cannot explain the gap.
-    pub(super) fn is_hopeless(&self, fit: &Fit) -> bool {
-        self.left(fit) > HOPELESS
-    }
-
-    /// Returns true if less of the excess remains with a fit than a further effect must close, and the deviations of the model parameters
-    /// are plausible.
-    pub(super) fn leaves_little(&self, fit: &Fit) -> bool {
+    /// Returns true if little of the excess remains with a fit, and the deviations of the model parameters are plausible.
+    fn leaves_little(&self, fit: &Fit) -> bool {
         fit.is_likely() && self.left(fit) <= MOST_LEFT_EXPLAINED
     }
 

@@ -1,9 +1,10 @@
 //! Selects the finalists, which are the effects that are fitted to all windows after screening.
 
 use super::degenerate::is_degenerate;
+use super::episode_search;
 use super::excess::level;
 use super::near_equivalents::near_equivalents;
-use super::ranking::{join, join_all};
+use super::ranking::join_all;
 use super::rival::{Rival, best_of};
 use super::search::{FITTING_ITERATIONS, SHORT_ITERATIONS, Search};
 use crate::effects;
@@ -25,15 +26,12 @@ const MOST_LOCAL: usize = 3;
 const NEAR: f64 = 0.3;
 /// Number of best finalists whose fits are continued in any case.
 const ALWAYS_NEAR: usize = 2;
-/// Magnitudes from which a related effect with one free parameter may be fitted, relative to its start.
-const SIZES: [f64; 7] = [0.25, 0.5, 0.7, 1.0, 1.4, 2.0, 4.0];
-
-/// Returns the finalists, an effect `found` in another way, and the effects related to the best of them. All are fitted to all windows.
+/// Returns the finalists and the effects related to the best of them. All are fitted to all windows. Temporary effects near the best one
+/// are in their best form.
 pub(super) fn refit_shortlist(
     search: &Search<'_>,
     mut screened: Vec<Rival>,
     known: &Fit,
-    found: Option<Rival>,
 ) -> Vec<Rival> {
     (search.progress)(Stage::Finalists);
     screened.sort_by(|a, b| level(&a.fit).total_cmp(&level(&b.fit)));
@@ -71,11 +69,13 @@ pub(super) fn refit_shortlist(
         .take_while(|rival| level(&rival.fit) <= limit)
         .count();
     let far = rivals.split_off(near.max(ALWAYS_NEAR).min(rivals.len()));
-    let mut rivals = fitted(rivals, FITTING_ITERATIONS);
+    let near = fitted(rivals, FITTING_ITERATIONS).into_par_iter();
+    let completed = near.map(|rival| Rival {
+        fit: episode_search::completed(search.problem, &search.expected, rival.fit),
+        name: rival.name,
+    });
+    let mut rivals: Vec<Rival> = completed.collect();
     rivals.extend(far);
-    if let Some(found) = found {
-        join(&mut rivals, found);
-    }
     if let Some(best) = best_of(&rivals) {
         let related = related(search, best, &all);
         join_all(&mut rivals, related);
@@ -84,24 +84,16 @@ pub(super) fn refit_shortlist(
 }
 
 /// Returns the special cases and near-equivalents of a rival among the `screened` rivals. Each is fitted from the parameters of the rival.
-/// If the magnitude is its only free parameter, the fit begins at the magnitude of lowest cost.
-pub(super) fn related(search: &Search<'_>, to: &Rival, screened: &[Rival]) -> Vec<Rival> {
-    let fit = |rival: &Rival, iterations| {
-        let Fit { hypothesis, x, .. } = &rival.fit;
-        search
-            .problem
-            .fit(hypothesis, x.clone(), Part::All, iterations)
-    };
+fn related(search: &Search<'_>, to: &Rival, screened: &[Rival]) -> Vec<Rival> {
     let related = near_equivalents(to, screened, &search.problem.recording.model)
         .into_par_iter()
         .map(|rival| {
-            let sized = SIZES.into_par_iter().filter_map(|by| rival.sized(by));
-            let sized = sized.map(|rival| (level(&fit(&rival, 0)), rival));
-            let nearest = sized.min_by(|a, b| a.0.total_cmp(&b.0));
-            let rival = nearest.map_or(rival, |(_, nearest)| nearest);
+            let Fit { hypothesis, x, .. } = rival.fit;
             Rival {
-                fit: fit(&rival, FITTING_ITERATIONS),
-                ..rival
+                name: rival.name,
+                fit: search
+                    .problem
+                    .fit(&hypothesis, x, Part::All, FITTING_ITERATIONS),
             }
         });
     related.filter(|r| !is_degenerate(search, &r.fit)).collect()

@@ -1,7 +1,6 @@
 //! Prefers simpler rivals to others whose cost is slightly lower.
 
-use super::degenerate::repeats;
-use super::excess::{MOST_LEFT_EXPLAINED, is_adequate, level};
+use super::excess::{is_adequate, level};
 use super::ranking::{is_as_likely, ranked};
 use super::rival::Rival;
 use super::search::{FITTING_ITERATIONS, Search};
@@ -39,17 +38,7 @@ pub(super) fn held_as_stated(
 pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> Option<Vec<Rival>> {
     let mut rivals = ranked(rivals, known, search.adequate_level())?;
     let best = level(&rivals[0].fit);
-    let short_by = |share: f64| best + share * (level(known) - best);
-    let halfway = short_by(0.5);
-    // A ripple of which less than one period was travelled may be a spring. If the fit with the ripple is adequate, the spring must gain
-    // nearly as much. Otherwise it must gain half as much.
-    let pulls = (!repeats(search.problem, &rivals[0].fit)).then(|| {
-        if best > search.adequate_level() {
-            halfway
-        } else {
-            short_by(MOST_LEFT_EXPLAINED)
-        }
-    });
+    let halfway = best + 0.5 * (level(known) - best);
     let special = rivals.iter().position(|rival| {
         // If an effect that always acts explains everything, the same effect at certain instants only is not needed.
         let leaves_nothing = || {
@@ -60,50 +49,11 @@ pub(super) fn ordered(search: &Search<'_>, known: &Fit, rivals: Vec<Rival>) -> O
                     &ExpectedLoss::of(search.problem, &rival.fit).bounded(),
                 )
         };
-        effects::of(rivals[0].name).contains(rival.name)
-            && (pulls.is_some_and(|most| level(&rival.fit) <= most) || leaves_nothing())
+        effects::of(rivals[0].name).contains(rival.name) && leaves_nothing()
     });
     if let Some(special) = special {
         let special = rivals.remove(special);
         rivals.insert(0, special);
     }
     Some(rivals)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::next_effect::given_effect;
-    use super::super::search::on;
-    use super::ordered;
-    use crate::made;
-    use crate::term::{Coordinate, Scale, Term};
-    use core::f64::consts::PI;
-
-    #[test]
-    fn a_spring_is_preferred_to_a_ripple_of_less_than_one_period() {
-        let free = |parameter, start| Coordinate {
-            parameter,
-            start,
-            scale: Scale::Linear(0.2 * start),
-        };
-        let first = |amplitude: f64, wave_number: f64| {
-            let hidden =
-                format!("cogging:amplitude={amplitude},wave_number={wave_number},phase={PI}");
-            on(&made::recording(&[&hidden]), |search, null| {
-                let ripple = Term {
-                    values: vec![amplitude, wave_number, PI, 0.0, 0.0],
-                    ..made::term("cogging", &[free(0, amplitude), free(1, wave_number)])
-                };
-                let spring = made::term("spring", &[free(0, 0.05)]);
-                let rivals = [ripple, spring].into_iter();
-                let rivals = rivals.flat_map(|term| given_effect(search, null, &term).rivals);
-                let ordered = ordered(search, null, rivals.collect()).unwrap();
-                ordered[0].name
-            })
-        };
-        assert_eq!(first(0.25, 0.12), "spring");
-        // The torque bends too much for a spring.
-        assert_eq!(first(0.2, 0.15), "cogging");
-        assert_eq!(first(0.02, 20.0), "cogging");
-    }
 }

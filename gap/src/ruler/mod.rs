@@ -104,9 +104,10 @@ fn on_all_numbers(
         return free.modelling;
     };
     pool.add(&numbers);
-    // If the residual with the found effects is smaller than with all main parameters, wrong parameters are not the main cause.
+    // If the found effects explain everything, or leave less than all main parameters do, wrong parameters are not the main cause.
     let left = |problem: &Problem<'_>, fit| problem.rms(&problem.window_squares(fit, Part::All));
-    if left(free, &numbers) >= left(stated, found.best()) {
+    let best = found.best();
+    if found.suffices(stated, best) || left(free, &numbers) >= left(stated, best) {
         return scale;
     }
     let scaled = free.off_by(scale);

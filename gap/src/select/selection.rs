@@ -62,11 +62,13 @@ impl Selection {
         }
     }
 
-    /// Returns true if the best effect alone, or one of the best pair, has this name.
+    /// Returns true if an accepted effect, or one of a pair that leaves little of the excess, has this name.
     pub(crate) fn names_best(&self, name: &str) -> bool {
-        let alone = self.rounds.iter().map(|round| &round.rivals[0]);
-        let mut best = alone.chain(self.proposed.first());
-        best.any(|rival| rival.fit.hypothesis.names().contains(&name))
+        let accepted = self.rounds.iter().filter(|r| r.acceptance.accepted);
+        let pair = self.proposed.first().map(|pair| &pair.fit);
+        let pair = pair.filter(|pair| self.leaves_little(pair));
+        let mut fits = accepted.map(|round| &round.rivals[0].fit).chain(pair);
+        fits.any(|fit| fit.hypothesis.names().contains(&name))
     }
 
     /// Returns true if the last effect was accepted and leaves nothing to explain.

@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A stage of a diagnosis that takes noticeable time. The stages that search effects are repeated for every further effect.
+/// A stage of a diagnosis that takes noticeable time. The stages that search effects are repeated for pairs of
+/// effects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Stage {
     /// Divides the runs into windows and estimates their noise.

@@ -136,7 +136,7 @@ impl<'a> SearchResult<'a> {
         let model_error = problem.modelling;
         let found = select::select(&problem, base, &given, progress);
         let searched = found.fit().clone();
-        // A gain of that size is implausible, so a set with it is never chosen.
+        // The comparison of sets excludes a gain as far from 1 as a factor between units, so the sets of the search are examined before.
         let base = found.base();
         let unit_factor = found
             .best_sets()

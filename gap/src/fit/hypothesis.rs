@@ -26,7 +26,7 @@ pub(crate) const INPUT_TIME: &str = "input_time";
 
 /// Deviation beyond which a parameter with a stated tolerance counts as an effect, in standard deviations.
 pub(crate) const MOST_STATED_DEVIATIONS: f64 = 3.0;
-/// The same for a parameter whose tolerance is not stated.
+/// Deviation beyond which a parameter without a stated tolerance counts as an effect, in multiples of the typical error of such a parameter.
 const MOST_USUAL_DEVIATIONS: f64 = 1.0;
 
 impl PriorParameter {

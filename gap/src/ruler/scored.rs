@@ -7,7 +7,9 @@ use crate::fit::problem::Problem;
 use crate::floor::mean_and_error;
 use crate::plausible::is_plausible;
 
+/// Number of iterations of the joint fit of a set.
 const ITERATIONS: usize = 5;
+
 /// A set of effects, fitted jointly.
 #[derive(Clone, Debug)]
 pub(super) struct Scored {

@@ -51,17 +51,24 @@ mod tests {
     use super::*;
     use crate::made;
     use crate::term::{Coordinate, Scale};
+    use recording::Recording;
+
+    /// Whether an effect with some of its parameters at these values, by their index, is degenerate.
+    fn is_degenerate_at(recording: &Recording, name: &str, values: &[(usize, f64)]) -> bool {
+        let mut term = made::term(name, &[]);
+        for &(parameter, value) in values {
+            term.values[parameter] = value;
+        }
+        on(recording, |search, null| {
+            is_degenerate(search, &given_effect(search, null, &term).so_far)
+        })
+    }
 
     #[test]
     fn a_spring_that_comes_back_later_than_a_prediction_ends_is_a_lag() {
         let recording = made::recording(&[]);
-        let is_degenerate = |damping: f64| {
-            let mut soft = made::term("compliance", &[]);
-            soft.values[..2].copy_from_slice(&[0.5, damping]);
-            on(&recording, |search, null| {
-                is_degenerate(search, &given_effect(search, null, &soft).so_far)
-            })
-        };
+        let is_degenerate =
+            |damping| is_degenerate_at(&recording, "compliance", &[(0, 0.5), (1, damping)]);
         let latest = 0.5 * recording.horizon;
         assert!(!is_degenerate(0.5 * latest) && is_degenerate(2.0 * latest));
     }
@@ -69,14 +76,17 @@ mod tests {
     #[test]
     fn a_spring_with_next_to_nothing_behind_it_is_no_transmission() {
         let recording = made::recording(&[]);
-        let is_degenerate = |load_share: f64| {
-            let mut stiff = made::term("compliance", &[]);
-            stiff.values[2] = load_share;
-            on(&recording, |search, null| {
-                is_degenerate(search, &given_effect(search, null, &stiff).so_far)
-            })
-        };
+        let is_degenerate =
+            |load_share| is_degenerate_at(&recording, "compliance", &[(2, load_share)]);
         assert_eq!([0.02, 0.2, 0.98].map(is_degenerate), [true, false, true]);
+    }
+
+    #[test]
+    fn a_ripple_of_less_than_one_period_is_no_ripple() {
+        let recording = made::recording(&[]);
+        let is_degenerate =
+            |wave_number| is_degenerate_at(&recording, "cogging", &[(0, 0.01), (1, wave_number)]);
+        assert_eq!([0.15, 20.0].map(is_degenerate), [true, false]);
     }
 
     /// Whether a backlash is rejected because a compliance, which is excluded from the search, explains as much.
@@ -108,18 +118,5 @@ mod tests {
     fn play_that_is_no_more_than_a_twist_is_none() {
         assert!(is_twist("compliance:stiffness=2.0,damping=0.005"));
         assert!(!is_twist("backlash:play=0.02"));
-    }
-
-    #[test]
-    fn a_ripple_of_less_than_one_period_is_no_ripple() {
-        let recording = made::recording(&[]);
-        let is_degenerate = |wave_number: f64| {
-            let mut ripple = made::term("cogging", &[]);
-            ripple.values[..2].copy_from_slice(&[0.01, wave_number]);
-            on(&recording, |search, null| {
-                is_degenerate(search, &given_effect(search, null, &ripple).so_far)
-            })
-        };
-        assert_eq!([0.15, 20.0].map(is_degenerate), [true, false]);
     }
 }

@@ -57,7 +57,8 @@ fn found(
     best
 }
 
-/// Returns a fit with its last effect in its best form if that effect is temporary, and the fit itself otherwise.
+/// Returns a fit in which its last effect has its best intervals, number of occurrences and form, if that effect is temporary. Returns any
+/// other fit as it is.
 pub(crate) fn completed(problem: &Problem<'_>, expected: &ExpectedLoss, fit: Fit) -> Fit {
     let is_temporary = fit.last_term().is_some_and(|last| kind(&last).is_some());
     if !is_temporary {

@@ -48,6 +48,7 @@ const PLAIN_EXCESS: f64 = 2.0;
 const PLAIN_RUN: f64 = 5.0;
 /// Number of iterations of the fit of the null.
 const NULL_ITERATIONS: usize = 10;
+
 /// Finds the best effect alone. If it does not explain everything, it also proposes pairs of effects. All are fitted jointly with the terms
 /// of `base`, which are the model parameters that are not stated.
 pub(crate) fn select(
@@ -64,16 +65,6 @@ pub(crate) fn select(
         problem.nominal_afar(&null, NULL_ITERATIONS).unwrap_or(null)
     };
     let null = base.unwrap_or_else(bare);
-    select_beyond(null, problem, given, progress)
-}
-
-/// Returns the effects that are found on top of a null.
-fn select_beyond(
-    null: Fit,
-    problem: &Problem<'_>,
-    given: &Given<'_>,
-    progress: fn(Stage),
-) -> Selection {
     let expected = ExpectedLoss::of(problem, &null);
     let mut selection = Selection {
         has_no_gap: is_adequate(&null, &expected) && problem.gap_over_floor(&null) <= PLAIN_GAP,

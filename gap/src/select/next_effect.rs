@@ -44,7 +44,7 @@ pub(super) fn given_effect(search: &Search<'_>, null: &Fit, term: &Term) -> Roun
 }
 
 /// Ranks the rivals, improves the best one, and decides whether it is accepted. Returns `None` if no rival remains.
-pub(super) fn judged(
+fn judged(
     search: &Search<'_>,
     known: &Fit,
     screened: Vec<Rival>,

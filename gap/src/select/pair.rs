@@ -24,7 +24,8 @@ const LEAST_DIFFERENCE: f64 = 0.1;
 /// 93 of 94 recordings. With 0.3 one more of 300 pairs was named, and slow cases took a quarter longer.
 const LEAST_LEAD: f64 = 0.7;
 
-/// Returns pairs of effects, best first.
+/// Returns pairs of effects in the order of increasing cost. Some consist of one of the best effects of `first` and an effect found on top
+/// of it. The others have the lowest estimated cost together.
 pub(super) fn proposed(search: &Search<'_>, first: &Round) -> Vec<Rival> {
     let null = &first.known;
     let chosen = screening_windows(search, null);

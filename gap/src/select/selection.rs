@@ -38,14 +38,12 @@ impl Selection {
         self.rounds.last().map_or(&self.null, |round| &round.so_far)
     }
 
-    /// Returns the fit of the best pair, or of the best effect alone if its cost is lower.
+    /// Returns the fit of the best pair, or of the best effect alone if its cost is lower, or the null if there is neither.
     pub(crate) fn best(&self) -> &Fit {
-        let pair = self.proposed.first().map(|pair| &pair.fit);
-        pair.filter(|pair| level(pair) < level(self.fit()))
-            .unwrap_or_else(|| self.fit())
+        self.best_sets().next().unwrap_or_else(|| self.fit())
     }
 
-    /// Returns the fits of pairs, and of effects alone, whose cost is not above that of the best effect alone.
+    /// Returns the fits of pairs, and then of effects alone, whose cost is not above that of the best effect alone. The best pair comes first.
     pub(crate) fn best_sets(&self) -> impl Iterator<Item = &Fit> {
         let alone = self.rounds.iter().flat_map(|round| &round.rivals);
         let most = level(self.fit());

@@ -26,6 +26,7 @@ const MOST_LOCAL: usize = 3;
 const NEAR: f64 = 0.3;
 /// Number of best finalists whose fits are continued in any case.
 const ALWAYS_NEAR: usize = 2;
+
 /// Returns the finalists and the effects related to the best of them. All are fitted to all windows. Temporary effects near the best one
 /// are in their best form.
 pub(super) fn refit_shortlist(
